@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <stdexcept>
+
+namespace spheroseg {
+
+// Every message says what was expected, what was found (with index and value), and what to do.
+
+/// The mesh can not be processed.
+struct InvalidInput : std::invalid_argument {
+    using std::invalid_argument::invalid_argument;
+};
+
+/// An option is out of range, or does not fit the mesh.
+struct InvalidOptions : std::invalid_argument {
+    using std::invalid_argument::invalid_argument;
+};
+
+/// The progress callback asked to stop.
+struct Cancelled : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// The requested compute device is missing or failed.
+struct DeviceError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+} // namespace spheroseg

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "dual_graph.h"
+#include "progress.h"
+
+namespace spheroseg {
+
+/// A sequence of half-edge collapses, in rounds of independent vertices: the stars of two vertices
+/// that are removed in the same round share no face, so that a round can be undone in parallel.
+///
+/// Step i removes `vertex[i]` by collapsing it into `target[i]`. Its star at that moment is
+/// ring_vertices[star_begin[i] .. star_begin[i + 1]) in counter-clockwise order, rotated so that
+/// the first ring vertex is the target; star_faces[j] is the face (vertex, ring[j], ring[j + 1])
+/// (cyclic). The first and the last star face contain the target and disappear; in the others
+/// `vertex` becomes `target`. Face and vertex indices are those of the input mesh.
+struct CollapseHierarchy {
+    std::vector<int> vertex;
+    std::vector<int> target;
+    std::vector<int> star_begin; // steps + 1 entries
+    std::vector<int> ring_vertices;
+    std::vector<int> star_faces;
+    /// Round r holds the steps [round_begin[r], round_begin[r + 1]).
+    std::vector<int> round_begin;
+    /// The faces that are left after the last step, and their vertices.
+    std::vector<int> base_faces;
+    std::vector<Triangle> base_triangles;
+
+    int step_count() const { return static_cast<int>(vertex.size()); }
+    int round_count() const { return static_cast<int>(round_begin.size()) - 1; }
+};
+
+/// Collapses a closed manifold genus-0 mesh to a tetrahedron in O(F log F), in parallel.
+/// The result does not depend on the number of threads.
+CollapseHierarchy build_hierarchy(const TriangleMesh& mesh,
+                                  const DualGraph& dual_graph,
+                                  int thread_count = 0,
+                                  const Progress& progress = {});
+
+} // namespace spheroseg

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "dual_graph.h"
+
+namespace spheroseg {
+
+/// Measures of a labelling; definitions in the manual (docs/measures.md).
+struct Measures {
+    int submesh_count = 0;
+    int triangle_count = 0;
+    int min_submesh_triangles = 0;
+    int max_submesh_triangles = 0;
+    int boundary_edge_count = 0;
+    int max_triangle_count_difference = 0;
+    double coefficient_of_variation = 0.0;
+    int bowtie_count = 0;
+    int disconnected_submesh_count = 0;
+    int disk_count = 0;
+    double boundary_edge_ratio = 0.0;
+    /// Triangles of each sub-mesh; submesh_count entries.
+    std::vector<int> submesh_triangles;
+
+    /// Balanced to one triangle, nothing empty, all connected, no bowtie.
+    bool is_valid() const {
+        return max_triangle_count_difference <= 1 && min_submesh_triangles >= 1 &&
+            disconnected_submesh_count == 0 && bowtie_count == 0;
+    }
+};
+
+/// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k).
+/// Throws InvalidInput when the sizes differ or a label is out of range.
+Measures measure(const TriangleMesh& mesh,
+                 const DualGraph& dual_graph,
+                 const std::vector<int>& labels,
+                 int submesh_count);
+
+} // namespace spheroseg

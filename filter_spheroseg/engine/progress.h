@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "errors.h"
+
+#include <chrono>
+#include <functional>
+
+namespace spheroseg {
+
+/// Called from the calling thread only, outside parallel loops, with values that rise from 0 to 1
+/// within one operation, and the name of the running step. False means stop. May be empty.
+using Progress = std::function<bool(double, const char*)>;
+
+/// Reports progress and throws Cancelled when the callback answers false.
+inline void report_progress(const Progress& progress, double fraction, const char* step) {
+    if (progress && !progress(fraction, step)) {
+        throw Cancelled("The operation was cancelled; the mesh was not changed.");
+    }
+}
+
+/// The part [begin, end] of an enclosing operation's progress.
+inline Progress sub_progress(const Progress& progress, double begin, double end) {
+    if (!progress) {
+        return {};
+    }
+    return [progress, begin, end](double fraction, const char* step) {
+        return progress(begin + (end - begin) * fraction, step);
+    };
+}
+
+/// Wall-clock stop watch with an optional limit.
+class Deadline {
+public:
+    /// `limit_seconds` <= 0: no limit.
+    explicit Deadline(double limit_seconds = 0.0)
+        : start_(std::chrono::steady_clock::now()), limit_seconds_(limit_seconds) {}
+
+    double elapsed_seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    bool expired() const { return limit_seconds_ > 0.0 && elapsed_seconds() >= limit_seconds_; }
+
+private:
+    std::chrono::steady_clock::time_point start_;
+    double limit_seconds_;
+};
+
+} // namespace spheroseg

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "measures.h"
+#include "parametrization.h"
+#include "validity.h"
+
+#include <memory>
+#include <optional>
+
+namespace spheroseg {
+
+enum class Method { fast, all_pairs };
+enum class Effort { draft, standard, high };
+enum class Device { automatic, cpu, cuda };
+
+struct SegmentOptions {
+    /// Number of sub-meshes k, in [1, F]; 0: 200, or fewer for meshes under 2,000 faces.
+    int submesh_count = 0;
+    /// If > 0, k = ceil(F / triangles_per_submesh) instead.
+    int triangles_per_submesh = 0;
+    Method method = Method::all_pairs;
+    /// How long `fast` refines; every effort gives the same guarantees.
+    Effort effort = Effort::standard;
+    Device device = Device::automatic;
+    /// Same seed, same labels: for any thread count, on every run.
+    std::uint64_t seed = 0;
+    /// 0: all cores.
+    int thread_count = 0;
+    /// 0: until converged.
+    int max_cohesion_iterations = 0;
+    int max_refinement_iterations = 0;
+    /// 0: none. When it is hit the result is still valid and balanced as far as the method
+    /// guarantees it, and `time_limit_hit` is set.
+    double time_limit_seconds = 0.0;
+};
+
+struct Segmentation {
+    /// One label in [0, k) per face.
+    std::vector<int> labels;
+    Measures measures;
+    int cohesion_iterations = 0;
+    int refinement_iterations = 0;
+    double parametrization_seconds = 0.0;
+    double cohesion_seconds = 0.0;
+    double refinement_seconds = 0.0;
+    double total_seconds = 0.0;
+    bool time_limit_hit = false;
+    bool used_cuda = false;
+    /// One entry per iteration: cohesion, then refinement.
+    std::vector<double> boundary_edges_by_iteration;
+    std::vector<double> seconds_by_iteration;
+    /// Cohesion: sum of chord distances; refinement: sum of Eq. 1 (all_pairs) or boundary edges.
+    std::vector<double> energy_by_iteration;
+};
+
+/// A mesh with all that does not depend on k: dual graph, report, hierarchy and parametrization,
+/// each built on first use and kept, so that a second segmentation costs less.
+class PreparedMesh {
+public:
+    /// Examines the mesh. Throws InvalidInput when a vertex index is out of range.
+    explicit PreparedMesh(TriangleMesh mesh, int thread_count = 0);
+
+    const TriangleMesh& mesh() const { return mesh_; }
+    const DualGraph& dual_graph() const { return dual_graph_; }
+    const MeshReport& report() const { return report_; }
+    const CollapseHierarchy& hierarchy(int thread_count = 0, const Progress& progress = {});
+    const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
+    /// Uses a map made before; returns false and changes nothing when it is not valid.
+    bool set_parametrization(std::vector<Vec3> sphere_positions);
+
+private:
+    TriangleMesh mesh_;
+    DualGraph dual_graph_;
+    MeshReport report_;
+    std::optional<CollapseHierarchy> hierarchy_;
+    std::optional<Parametrization> parametrization_;
+};
+
+/// k that `options` ask for on a mesh of `face_count` faces.
+int requested_submesh_count(const SegmentOptions& options, int face_count);
+
+/// Throws InvalidInput or InvalidOptions; the only place that checks.
+void validate(const SegmentOptions& options, const PreparedMesh& mesh);
+
+/// Cuts the mesh into k sub-meshes whose triangle counts differ by at most one.
+/// `all_pairs`: the paper word for word. Throws InvalidInput, InvalidOptions, Cancelled,
+/// DeviceError; the prepared mesh stays usable after any of them.
+Segmentation
+segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress = {});
+
+} // namespace spheroseg
