@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "random.h"
+#include "test_solids.h"
+
+#include <string>
+#include <vector>
+
+/// Meshes for tests. Unless said otherwise: closed, manifold, genus 0, faces counter-clockwise seen
+/// from outside, no unreferenced vertex.
+namespace spheroseg::test {
+
+/// Icosphere whose vertices are moved along their radius by up to +-amplitude, at random.
+inline TriangleMesh displaced_sphere(int level, double amplitude = 0.3, std::uint64_t seed = 1) {
+    TriangleMesh mesh = icosphere(level);
+    Random random(seed);
+    for (Vec3& p : mesh.positions) {
+        p = p * (1.0 + amplitude * (2.0 * random.uniform() - 1.0));
+    }
+    return mesh;
+}
+
+/// Icosphere with five limbs, each `limb_length` times as long as the body's radius.
+inline TriangleMesh limbed_figure(int level, double limb_length = 6.0) {
+    TriangleMesh mesh = icosphere(level);
+    const Vec3 limbs[] = {
+        {0, 0, 1}, {0.8, 0, 0.6}, {-0.8, 0, 0.6}, {0.6, 0, -0.8}, {-0.6, 0, -0.8}};
+    for (Vec3& p : mesh.positions) {
+        double radius = 1.0;
+        for (const Vec3& limb : limbs) {
+            radius += limb_length * std::exp(40.0 * (dot(p, limb) - 1.0));
+        }
+        p = p * radius;
+    }
+    return mesh;
+}
+
+/// Closed tube along z: `ring_count` rings of `ring_size` vertices and two poles.
+/// 2 * ring_size * ring_count faces. Long, thin and few around: the hardest limb.
+inline TriangleMesh long_thin_limb(int ring_size, int ring_count, double ring_spacing = 0.5) {
+    TriangleMesh mesh;
+    for (int r = 0; r < ring_count; ++r) {
+        for (int i = 0; i < ring_size; ++i) {
+            const double angle = 2.0 * kPi * (i + 0.5 * (r % 2)) / ring_size;
+            mesh.positions.push_back({std::cos(angle), std::sin(angle), r * ring_spacing});
+        }
+    }
+    const int bottom = ring_size * ring_count;
+    const int top = bottom + 1;
+    mesh.positions.push_back({0, 0, -ring_spacing});
+    mesh.positions.push_back({0, 0, ring_count * ring_spacing});
+    const auto at = [&](int r, int i) { return r * ring_size + i % ring_size; };
+    for (int i = 0; i < ring_size; ++i) {
+        mesh.faces.push_back({bottom, at(0, i + 1), at(0, i)});
+        mesh.faces.push_back({top, at(ring_count - 1, i), at(ring_count - 1, i + 1)});
+        for (int r = 0; r + 1 < ring_count; ++r) {
+            const int shift = r % 2;
+            mesh.faces.push_back({at(r, i), at(r, i + 1), at(r + 1, i + shift)});
+            mesh.faces.push_back({at(r, i + 1 - shift), at(r + 1, i + 1), at(r + 1, i)});
+        }
+    }
+    return mesh;
+}
+
+/// Two apexes (vertices `valence` and `valence + 1`) over a ring. 2 * valence faces.
+inline TriangleMesh bipyramid(int valence) {
+    TriangleMesh mesh;
+    for (int i = 0; i < valence; ++i) {
+        const double angle = 2.0 * kPi * i / valence;
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.0});
+    }
+    mesh.positions.push_back({0, 0, 1});
+    mesh.positions.push_back({0, 0, -1});
+    for (int i = 0; i < valence; ++i) {
+        const int next = (i + 1) % valence;
+        mesh.faces.push_back({i, next, valence});
+        mesh.faces.push_back({next, i, valence + 1});
+    }
+    return mesh;
+}
+
+/// Tetrahedron with `split_count` vertices added, each inside a random face (`nested`: inside the
+/// face made last), very near to one of its edges: slivers, nested separating triangles and
+/// vertices of high valence. 4 + 2 * split_count faces.
+inline TriangleMesh slivers(int split_count, bool nested = false, std::uint64_t seed = 1) {
+    TriangleMesh mesh = tetrahedron();
+    Random random(seed);
+    for (int i = 0; i < split_count; ++i) {
+        const int f = nested ? mesh.face_count() - 1 : random.below(mesh.face_count());
+        const Triangle t = mesh.faces[f];
+        const int v = mesh.vertex_count();
+        mesh.positions.push_back(mesh.positions[t[0]] * 0.5 + mesh.positions[t[1]] * 0.499 +
+                                 mesh.positions[t[2]] * 0.001);
+        mesh.faces[f] = {t[0], t[1], v};
+        mesh.faces.push_back({t[2], t[0], v});
+        mesh.faces.push_back({t[1], t[2], v});
+    }
+    return mesh;
+}
+
+/// Closed manifold of genus 1: 2 * around * across faces.
+inline TriangleMesh torus(int around, int across) {
+    TriangleMesh mesh;
+    for (int i = 0; i < around; ++i) {
+        for (int j = 0; j < across; ++j) {
+            const double u = 2.0 * kPi * i / around;
+            const double v = 2.0 * kPi * j / across;
+            const double radius = 2.0 + std::cos(v);
+            mesh.positions.push_back({radius * std::cos(u), radius * std::sin(u), std::sin(v)});
+            const auto at = [&](int di, int dj) {
+                return (i + di) % around * across + (j + dj) % across;
+            };
+            mesh.faces.push_back({at(0, 0), at(1, 0), at(1, 1)});
+            mesh.faces.push_back({at(0, 0), at(1, 1), at(0, 1)});
+        }
+    }
+    return mesh;
+}
+
+/// Flat open square of 2 * side^2 faces; its 4 * side border edges are open.
+inline TriangleMesh open_grid(int side) {
+    TriangleMesh mesh;
+    const auto at = [&](int x, int y) { return y * (side + 1) + x; };
+    for (int y = 0; y <= side; ++y) {
+        for (int x = 0; x <= side; ++x) {
+            mesh.positions.push_back({static_cast<double>(x), static_cast<double>(y), 0.0});
+            if (x < side && y < side) {
+                mesh.faces.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
+                mesh.faces.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
+            }
+        }
+    }
+    return mesh;
+}
+
+struct NamedMesh {
+    std::string name;
+    TriangleMesh mesh;
+};
+
+/// Small closed genus-0 meshes of every kind above, for property tests; at most 5,120 faces.
+inline std::vector<NamedMesh> genus_zero_meshes() {
+    return {{"tetrahedron", tetrahedron()},
+            {"octahedron", octahedron()},
+            {"icosahedron", icosahedron()},
+            {"icosphere", icosphere(4)},
+            {"displaced sphere", displaced_sphere(4)},
+            {"limbed figure", limbed_figure(4)},
+            {"long thin limb", long_thin_limb(6, 300)},
+            {"needle", long_thin_limb(3, 500)},
+            {"bipyramid", bipyramid(500)},
+            {"three-sided bipyramid", bipyramid(3)},
+            {"slivers", slivers(1000)},
+            {"nested slivers", slivers(300, true)}};
+}
+
+} // namespace spheroseg::test
