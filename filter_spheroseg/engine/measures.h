@@ -29,7 +29,8 @@ struct Measures {
 };
 
 /// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k).
-/// Throws InvalidInput when the sizes differ or a label is out of range.
+/// Edges and neighbours are those of the dual graph; an empty sub-mesh is neither disconnected nor
+/// a disk. Throws InvalidInput when the sizes differ or a label is out of range.
 Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "validity.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace spheroseg {
+
+namespace {
+
+class UnionFind {
+public:
+    explicit UnionFind(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+    int find(int i) {
+        while (parent_[i] != i) {
+            parent_[i] = parent_[parent_[i]];
+            i = parent_[i];
+        }
+        return i;
+    }
+    /// False when both were in one set already.
+    bool join(int a, int b) {
+        a = find(a);
+        b = find(b);
+        parent_[std::max(a, b)] = std::min(a, b);
+        return a != b;
+    }
+
+private:
+    std::vector<int> parent_;
+};
+
+/// A side that the dual graph joins to nothing: of an open, over-full or inconsistent edge.
+struct LooseSide {
+    int lower_vertex;
+    int upper_vertex;
+    int side; // 3 * face + corner
+
+    bool same_edge(const LooseSide& other) const {
+        return lower_vertex == other.lower_vertex && upper_vertex == other.upper_vertex;
+    }
+};
+
+bool is_degenerate(const Triangle& face) {
+    return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
+}
+
+void note(int& count, int& first, int index) {
+    if (count++ == 0 || index < first) {
+        first = index;
+    }
+}
+
+/// Collects what `inspect` reports; each method fills one group of fields.
+class Inspection {
+public:
+    Inspection(const TriangleMesh& mesh, const DualGraph& dual_graph)
+        : mesh_(mesh), dual_graph_(dual_graph) {}
+
+    MeshReport run() {
+        report_.face_count = mesh_.face_count();
+        report_.vertex_count = mesh_.vertex_count();
+        examine_faces();
+        examine_vertices();
+        collect_loose_sides();
+        trace_fans();
+        label_components();
+        examine_loose_edges();
+        count_duplicates();
+        count_non_manifold_vertices();
+        finish();
+        return report_;
+    }
+
+private:
+    void examine_faces() {
+        referenced_.assign(mesh_.positions.size(), 0);
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const Triangle& face = mesh_.faces[f];
+            for (int v : face) {
+                referenced_[v] = 1;
+            }
+            const Vec3& origin = mesh_.positions[face[0]];
+            if (is_degenerate(face)) {
+                note(report_.degenerate_face_count, report_.first_degenerate_face, f);
+            } else if (length(cross(mesh_.positions[face[1]] - origin,
+                                    mesh_.positions[face[2]] - origin)) == 0.0) {
+                ++report_.zero_area_face_count;
+            }
+        }
+    }
+
+    void examine_vertices() {
+        for (int v = 0; v < mesh_.vertex_count(); ++v) {
+            if (!referenced_[v]) {
+                continue;
+            }
+            ++report_.referenced_vertex_count;
+            const Vec3& p = mesh_.positions[v];
+            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+                note(report_.non_finite_vertex_count, report_.first_non_finite_vertex, v);
+            }
+        }
+    }
+
+    void collect_loose_sides() {
+        int joined_sides = 0;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const Triangle& face = mesh_.faces[f];
+            for (int c = 0; c < 3; ++c) {
+                if (dual_graph_.neighbors[f][c] >= 0) {
+                    ++joined_sides;
+                } else if (!is_degenerate(face)) {
+                    const auto [lower, upper] = std::minmax(face[c], face[(c + 1) % 3]);
+                    loose_sides_.push_back({lower, upper, 3 * f + c});
+                }
+            }
+        }
+        report_.edge_count = joined_sides / 2;
+        std::sort(
+            loose_sides_.begin(), loose_sides_.end(), [](const LooseSide& a, const LooseSide& b) {
+                return std::array{a.lower_vertex, a.upper_vertex, a.side} <
+                    std::array{b.lower_vertex, b.upper_vertex, b.side};
+            });
+    }
+
+    int corner_of(int face, int vertex) const {
+        const Triangle& f = mesh_.faces[face];
+        return 3 * face + (f[0] == vertex ? 0 : f[1] == vertex ? 1 : 2);
+    }
+
+    /// Numbers the fans that the dual graph joins around each vertex.
+    void trace_fans() {
+        fan_of_corner_.assign(3 * mesh_.faces.size(), -1);
+        extra_fans_.assign(mesh_.positions.size(), -1);
+        for (int start = 0; start < static_cast<int>(fan_of_corner_.size()); ++start) {
+            if (fan_of_corner_[start] >= 0 || is_degenerate(mesh_.faces[start / 3])) {
+                continue;
+            }
+            const int v = mesh_.faces[start / 3][start % 3];
+            ++extra_fans_[v];
+            for (int side_offset : {2, 0}) {
+                int corner = start;
+                do {
+                    fan_of_corner_[corner] = fan_count_;
+                    const int g = dual_graph_.neighbors[corner / 3][(corner % 3 + side_offset) % 3];
+                    corner = g >= 0 ? corner_of(g, v) : -1;
+                } while (corner >= 0 && fan_of_corner_[corner] < 0);
+            }
+            ++fan_count_;
+        }
+    }
+
+    /// Numbers the components that the dual graph joins.
+    void label_components() {
+        component_of_face_.assign(mesh_.faces.size(), -1);
+        std::vector<int> stack;
+        for (int seed = 0; seed < mesh_.face_count(); ++seed) {
+            if (component_of_face_[seed] >= 0 || is_degenerate(mesh_.faces[seed])) {
+                continue;
+            }
+            component_of_face_[seed] = joined_component_count_;
+            stack.push_back(seed);
+            while (!stack.empty()) {
+                const int f = stack.back();
+                stack.pop_back();
+                for (int g : dual_graph_.neighbors[f]) {
+                    if (g >= 0 && component_of_face_[g] < 0) {
+                        component_of_face_[g] = joined_component_count_;
+                        stack.push_back(g);
+                    }
+                }
+            }
+            ++joined_component_count_;
+        }
+    }
+
+    void examine_loose_edges() {
+        UnionFind components(joined_component_count_);
+        UnionFind fans(fan_count_);
+        for (auto run = loose_sides_.begin(); run != loose_sides_.end();) {
+            const auto same = [&](const LooseSide& s) { return s.same_edge(*run); };
+            const auto run_end = std::find_if_not(run, loose_sides_.end(), same);
+            ++report_.edge_count;
+            classify_edge(*run, run[run_end - run - 1], static_cast<int>(run_end - run));
+            const int face = run->side / 3;
+            for (auto other = run + 1; other != run_end; ++other) {
+                const int other_face = other->side / 3;
+                joined_component_count_ -=
+                    components.join(component_of_face_[face], component_of_face_[other_face]);
+                for (int v : {run->lower_vertex, run->upper_vertex}) {
+                    extra_fans_[v] -= fans.join(fan_of_corner_[corner_of(face, v)],
+                                                fan_of_corner_[corner_of(other_face, v)]);
+                }
+            }
+            run = run_end;
+        }
+    }
+
+    void classify_edge(const LooseSide& first, const LooseSide& last, int side_count) {
+        const int face = first.side / 3;
+        const auto start = [&](const LooseSide& s) { return mesh_.faces[s.side / 3][s.side % 3]; };
+        if (side_count == 1) {
+            note(report_.boundary_edge_count, report_.first_boundary_face, face);
+        } else if (side_count > 2) {
+            note(report_.non_manifold_edge_count, report_.first_non_manifold_face, face);
+        } else if (start(first) == start(last)) {
+            note(report_.inconsistent_edge_count, report_.first_inconsistent_face, face);
+        }
+    }
+
+    /// Two faces with the same vertices share three edges: either all three are joined between
+    /// them, or one of the sides is loose. So few faces need to be compared.
+    void count_duplicates() {
+        std::vector<std::pair<Triangle, int>> candidates;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            const auto& [a, b, c] = dual_graph_.neighbors[f];
+            if (a < 0 || b < 0 || c < 0 || a == b || b == c || c == a) {
+                Triangle vertices = mesh_.faces[f];
+                std::sort(vertices.begin(), vertices.end());
+                candidates.emplace_back(vertices, f);
+            }
+        }
+        std::sort(candidates.begin(), candidates.end());
+        for (std::size_t i = 1; i < candidates.size(); ++i) {
+            if (candidates[i].first == candidates[i - 1].first) {
+                note(report_.duplicate_face_count,
+                     report_.first_duplicate_face,
+                     candidates[i].second);
+            }
+        }
+    }
+
+    void count_non_manifold_vertices() {
+        for (int v = 0; v < mesh_.vertex_count(); ++v) {
+            if (extra_fans_[v] > 0) {
+                note(report_.non_manifold_vertex_count, report_.first_non_manifold_vertex, v);
+            }
+        }
+    }
+
+    void finish() {
+        report_.component_count = joined_component_count_;
+        report_.euler_characteristic = report_.referenced_vertex_count - report_.edge_count +
+            report_.face_count - report_.degenerate_face_count;
+        const bool surface = report_.boundary_edge_count + report_.non_manifold_edge_count +
+                report_.inconsistent_edge_count + report_.non_manifold_vertex_count +
+                report_.degenerate_face_count ==
+            0;
+        if (surface && report_.face_count > 0) {
+            report_.genus = report_.component_count - report_.euler_characteristic / 2;
+        }
+    }
+
+    const TriangleMesh& mesh_;
+    const DualGraph& dual_graph_;
+    MeshReport report_;
+    std::vector<char> referenced_;
+    std::vector<LooseSide> loose_sides_;
+    std::vector<int> fan_of_corner_;
+    int fan_count_ = 0;
+    std::vector<int> extra_fans_; // per vertex: fans - 1
+    std::vector<int> component_of_face_;
+    int joined_component_count_ = 0;
+};
+
+std::string counted(int count, const std::string& singular, const std::string& plural) {
+    return std::to_string(count) + " " + (count == 1 ? singular : plural);
+}
+
+std::string first_face(int face) {
+    return " (first: face " + std::to_string(face) + ")";
+}
+
+std::string first_vertex(int vertex) {
+    return " (first: vertex " + std::to_string(vertex) + ")";
+}
+
+/// What is wrong and what to do; the worst first.
+std::string describe_defect(const MeshReport& r) {
+    if (r.face_count == 0) {
+        return "no faces. Load a triangle mesh, or make one from a point cloud with \"Surface "
+               "Reconstruction: Screened Poisson\".";
+    }
+    if (r.non_finite_vertex_count > 0) {
+        return counted(r.non_finite_vertex_count, "vertex", "vertices") +
+            " with a NaN or infinite coordinate" + first_vertex(r.first_non_finite_vertex) +
+            ". Delete or correct them, then apply \"Close Holes\".";
+    }
+    if (r.degenerate_face_count > 0) {
+        return counted(r.degenerate_face_count, "face that names", "faces that name") +
+            " a vertex twice" + first_face(r.first_degenerate_face) +
+            ". Apply \"Remove Zero Area Faces\".";
+    }
+    if (r.duplicate_face_count > 0) {
+        return counted(r.duplicate_face_count, "face", "faces") +
+            " with the same vertices as an earlier face" + first_face(r.first_duplicate_face) +
+            ". Apply \"Remove Duplicate Faces\".";
+    }
+    if (r.non_manifold_edge_count > 0) {
+        return counted(r.non_manifold_edge_count, "edge", "edges") + " with more than two faces" +
+            first_face(r.first_non_manifold_face) +
+            ". Apply \"Repair non Manifold Edges\", then \"Close Holes\".";
+    }
+    if (r.inconsistent_edge_count > 0) {
+        return counted(r.inconsistent_edge_count, "edge", "edges") +
+            " between faces of opposite orientation" + first_face(r.first_inconsistent_face) +
+            ". Apply \"Re-Orient all faces coherently\".";
+    }
+    if (r.non_manifold_vertex_count > 0) {
+        return counted(r.non_manifold_vertex_count, "vertex", "vertices") +
+            " where separate fans of faces touch" + first_vertex(r.first_non_manifold_vertex) +
+            ". Apply \"Repair non Manifold Vertices by splitting\".";
+    }
+    if (r.boundary_edge_count > 0) {
+        return counted(r.boundary_edge_count, "open border edge", "open border edges") +
+            first_face(r.first_boundary_face) +
+            ". Apply \"Merge Close Vertices\" if vertices are doubled, else \"Close Holes\".";
+    }
+    if (r.component_count > 1) {
+        return std::to_string(r.component_count) +
+            " components. Apply \"Remove Isolated pieces (wrt Face Num.)\", or segment each "
+            "component as a layer of its own (\"Split in Connected Components\").";
+    }
+    return "genus " + std::to_string(r.genus) + " (Euler characteristic " +
+        std::to_string(r.euler_characteristic) +
+        ", expected 2). Cut or fill the handles and apply \"Close Holes\", or rebuild the surface "
+        "with \"Alpha Wrap\" and a radius larger than the holes.";
+}
+
+} // namespace
+
+bool MeshReport::is_closed_genus_zero() const {
+    return face_count > 0 && non_finite_vertex_count == 0 && degenerate_face_count == 0 &&
+        duplicate_face_count == 0 && non_manifold_edge_count == 0 && inconsistent_edge_count == 0 &&
+        non_manifold_vertex_count == 0 && boundary_edge_count == 0 && component_count == 1 &&
+        genus == 0;
+}
+
+MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int /*thread_count*/) {
+    return Inspection(mesh, dual_graph).run();
+}
+
+std::string closed_genus_zero_error(const MeshReport& report) {
+    if (report.is_closed_genus_zero()) {
+        return {};
+    }
+    return "Expected one closed, consistently oriented, manifold surface of genus 0; found " +
+        describe_defect(report);
+}
+
+} // namespace spheroseg

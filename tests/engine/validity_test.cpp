@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "validity.h"
+
+#include "errors.h"
+#include "test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+MeshReport report_of(const TriangleMesh& mesh) {
+    return inspect(mesh, build_dual_graph(mesh));
+}
+
+/// The message has these parts, and the mesh is refused.
+void expect_defect(const MeshReport& report, const std::string& found, const std::string& cure) {
+    EXPECT_FALSE(report.is_closed_genus_zero());
+    const std::string message = closed_genus_zero_error(report);
+    EXPECT_NE(message.find("found " + found), std::string::npos) << message;
+    EXPECT_NE(message.find(cure), std::string::npos) << message;
+}
+
+/// Adds a copy of `other`, moved along x.
+void append(TriangleMesh& mesh, const TriangleMesh& other) {
+    const int offset = mesh.vertex_count();
+    for (const Vec3& p : other.positions) {
+        mesh.positions.push_back(p + Vec3{5, 0, 0});
+    }
+    for (const Triangle& t : other.faces) {
+        mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    }
+}
+
+TEST(Validity, ClosedGenusZeroMeshesPass) {
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        SCOPED_TRACE(name);
+        const MeshReport r = report_of(mesh);
+        EXPECT_TRUE(r.is_closed_genus_zero()) << closed_genus_zero_error(r);
+        EXPECT_EQ(closed_genus_zero_error(r), "");
+        EXPECT_EQ(r.euler_characteristic, 2);
+        EXPECT_EQ(2 * r.edge_count, 3 * r.face_count);
+        EXPECT_EQ(r.vertex_count, r.referenced_vertex_count);
+    }
+}
+
+TEST(Validity, UnreferencedVerticesAreNoDefectEvenWhenNotFinite) {
+    TriangleMesh mesh = tetrahedron();
+    mesh.positions.push_back({std::numeric_limits<double>::quiet_NaN(), 0, 0});
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.vertex_count, 5);
+    EXPECT_EQ(r.referenced_vertex_count, 4);
+    EXPECT_TRUE(r.is_closed_genus_zero());
+}
+
+TEST(Validity, ZeroAreaFacesAreCountedButAllowed) {
+    TriangleMesh mesh = octahedron();
+    mesh.positions[4] = {1, 0, 0}; // where vertex 0 lies: faces 0 and 3 lose their area
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.zero_area_face_count, 2);
+    EXPECT_TRUE(r.is_closed_genus_zero());
+}
+
+TEST(Validity, NoFaces) {
+    const MeshReport r = report_of({});
+    EXPECT_EQ(r.component_count, 0);
+    EXPECT_EQ(r.genus, -1);
+    expect_defect(r, "no faces", "Load a triangle mesh");
+}
+
+TEST(Validity, OneFaceHasThreeOpenEdges) {
+    const MeshReport r = report_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+    EXPECT_EQ(r.boundary_edge_count, 3);
+    EXPECT_EQ(r.component_count, 1);
+    EXPECT_EQ(r.euler_characteristic, 1);
+    EXPECT_EQ(r.genus, -1);
+    expect_defect(r, "3 open border edges (first: face 0)", "\"Close Holes\"");
+}
+
+TEST(Validity, OpenGridHasItsBorder) {
+    const MeshReport r = report_of(open_grid(5));
+    EXPECT_EQ(r.boundary_edge_count, 20);
+    EXPECT_EQ(r.first_boundary_face, 0);
+    EXPECT_EQ(r.edge_count, (3 * 50 + 20) / 2);
+    EXPECT_EQ(r.non_manifold_vertex_count, 0);
+}
+
+TEST(Validity, TorusHasGenusOne) {
+    const MeshReport r = report_of(torus(7, 5));
+    EXPECT_EQ(r.genus, 1);
+    EXPECT_EQ(r.euler_characteristic, 0);
+    expect_defect(r, "genus 1", "\"Alpha Wrap\"");
+}
+
+TEST(Validity, ComponentsAreCountedAndTheirGeneraAdded) {
+    TriangleMesh mesh = tetrahedron();
+    append(mesh, torus(4, 4));
+    append(mesh, torus(4, 3));
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.component_count, 3);
+    EXPECT_EQ(r.genus, 2);
+    expect_defect(r, "3 components", "\"Remove Isolated pieces (wrt Face Num.)\"");
+}
+
+TEST(Validity, AFinOnATetrahedronIsANonManifoldEdge) {
+    TriangleMesh mesh = tetrahedron();
+    mesh.positions.push_back({3, 3, 3});
+    mesh.faces.push_back({0, 1, 4});
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.non_manifold_edge_count, 1);
+    EXPECT_EQ(r.first_non_manifold_face, 0);
+    EXPECT_EQ(r.boundary_edge_count, 2);
+    EXPECT_EQ(r.component_count, 1);
+    EXPECT_EQ(r.edge_count, 8);
+    EXPECT_EQ(r.non_manifold_vertex_count, 0);
+    expect_defect(r, "1 edge with more than two faces", "\"Repair non Manifold Edges\"");
+}
+
+TEST(Validity, AReversedFaceHasThreeInconsistentEdgesAndNothingElse) {
+    TriangleMesh mesh = octahedron();
+    std::swap(mesh.faces[5][0], mesh.faces[5][1]);
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.inconsistent_edge_count, 3);
+    EXPECT_EQ(r.boundary_edge_count, 0);
+    EXPECT_EQ(r.non_manifold_vertex_count, 0);
+    EXPECT_EQ(r.component_count, 1);
+    EXPECT_EQ(r.euler_characteristic, 2);
+    expect_defect(r, "3 edges between faces of opposite", "\"Re-Orient all faces coherently\"");
+}
+
+TEST(Validity, TwoTetrahedraThatShareAVertexAreNotManifoldThere) {
+    TriangleMesh mesh = tetrahedron();
+    append(mesh, tetrahedron());
+    for (Triangle& face : mesh.faces) {
+        std::replace(face.begin(), face.end(), 5, 2);
+    }
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.non_manifold_vertex_count, 1);
+    EXPECT_EQ(r.first_non_manifold_vertex, 2);
+    EXPECT_EQ(r.referenced_vertex_count, 7);
+    EXPECT_EQ(r.component_count, 2);
+    expect_defect(
+        r, "1 vertex where separate fans", "\"Repair non Manifold Vertices by splitting\"");
+}
+
+TEST(Validity, DegenerateFacesAreNamedFirst) {
+    TriangleMesh mesh = tetrahedron();
+    mesh.faces.push_back({0, 1, 1});
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.degenerate_face_count, 1);
+    EXPECT_EQ(r.first_degenerate_face, 4);
+    EXPECT_EQ(r.component_count, 1);
+    EXPECT_EQ(r.edge_count, 6);
+    EXPECT_EQ(r.zero_area_face_count, 0);
+    expect_defect(
+        r, "1 face that names a vertex twice (first: face 4)", "\"Remove Zero Area Faces\"");
+}
+
+TEST(Validity, DuplicateFacesAreFoundInEitherOrientation) {
+    TriangleMesh copy = tetrahedron();
+    copy.faces.push_back({2, 1, 0});
+    const MeshReport r = report_of(copy);
+    EXPECT_EQ(r.duplicate_face_count, 1);
+    EXPECT_EQ(r.first_duplicate_face, 4);
+    expect_defect(r, "1 face with the same vertices", "\"Remove Duplicate Faces\"");
+
+    TriangleMesh reversed = tetrahedron();
+    reversed.faces.push_back({0, 1, 2});
+    EXPECT_EQ(report_of(reversed).duplicate_face_count, 1);
+
+    const MeshReport pillow =
+        report_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});
+    EXPECT_EQ(pillow.duplicate_face_count, 1);
+    EXPECT_EQ(pillow.boundary_edge_count, 0);
+    EXPECT_FALSE(pillow.is_closed_genus_zero());
+}
+
+TEST(Validity, NonFiniteCoordinatesAreNamed) {
+    TriangleMesh mesh = octahedron();
+    mesh.positions[3].y = std::numeric_limits<double>::quiet_NaN();
+    mesh.positions[4].x = std::numeric_limits<double>::infinity();
+    const MeshReport r = report_of(mesh);
+    EXPECT_EQ(r.non_finite_vertex_count, 2);
+    EXPECT_EQ(r.first_non_finite_vertex, 3);
+    expect_defect(r, "2 vertices with a NaN or infinite coordinate (first: vertex 3)", "Delete");
+}
+
+TEST(Validity, IndicesOutOfRangeAreAnError) {
+    TriangleMesh mesh = tetrahedron();
+    mesh.faces[2][1] = 9;
+    EXPECT_THROW(build_dual_graph(mesh), InvalidInput);
+}
+
+} // namespace
+} // namespace spheroseg
