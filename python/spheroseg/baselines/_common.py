@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shared by the baselines: input check and optional libraries."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+import numpy as np
+
+from .dual_graph import DualGraph, build_dual_graph
+
+
+def require(package: str) -> ModuleType:
+    """Imports an optional library; the ImportError says how to get it."""
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise ImportError(
+            f"this baseline needs the package '{package}' ({error}); install it with "
+            f"'pip install {package}' or leave the baseline out"
+        ) from error
+
+
+def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None) -> DualGraph:
+    """Checks the arguments of every baseline and returns the dual graph."""
+    face_count = len(faces)
+    if not 1 <= k <= face_count:
+        raise ValueError(f"k must be in [1, {face_count}] (the triangle count), but is {k}")
+    if seed < 0:
+        raise ValueError(f"seed must be >= 0, but is {seed}")
+    if graph is None:
+        return build_dual_graph(faces)
+    if graph.face_count != face_count:
+        raise ValueError(
+            f"the dual graph has {graph.face_count} triangles, but the mesh has {face_count}"
+        )
+    return graph
+
+
+def as_labels(labels) -> np.ndarray:
+    return np.asarray(labels, dtype=np.int32)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""METIS through pymetis (Karypis and Kumar, "A fast and high quality multilevel scheme for
+partitioning irregular graphs", 1998)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ._common import as_labels, checked_graph, require
+from .dual_graph import DualGraph
+
+
+def partition(
+    faces: np.ndarray, k: int, seed: int, graph: DualGraph | None, *, recursive: bool, **options
+) -> np.ndarray:
+    """Labels by METIS; `options` are METIS options by their lower-case names."""
+    pymetis = require("pymetis")
+    graph = checked_graph(faces, k, seed, graph)
+    # METIS leaves a single part's labels alone, and with a part per triangle it may leave parts
+    # empty; neither is a question of quality.
+    if k == 1:
+        return np.zeros(graph.face_count, dtype=np.int32)
+    result = pymetis.part_graph(
+        k,
+        pymetis.CSRAdjacency(graph.starts, graph.adjacent),
+        recursive=recursive,
+        options=pymetis.Options(seed=seed, **options),
+    )
+    return as_labels(result.vertex_part)

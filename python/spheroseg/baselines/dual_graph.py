@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The dual graph of a triangle mesh in numpy: triangles that share an edge are neighbours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class DualGraph:
+    """`neighbours` is (F, 3) int32: the triangle across the edge from corner i to corner i + 1,
+    or -1 on an open border. `starts` (F + 1) and `adjacent` hold the same as a CSR graph."""
+
+    neighbours: np.ndarray
+    starts: np.ndarray
+    adjacent: np.ndarray
+
+    @property
+    def face_count(self) -> int:
+        return len(self.neighbours)
+
+    def edges(self) -> np.ndarray:
+        """(E, 2) array of neighbouring triangles, each pair once, the smaller index first."""
+        source = np.repeat(np.arange(self.face_count), np.diff(self.starts))
+        once = source < self.adjacent
+        return np.column_stack((source[once], self.adjacent[once]))
+
+
+def build_dual_graph(faces: np.ndarray) -> DualGraph:
+    """Dual graph in O(F log F). Raises ValueError when an edge has more than two triangles."""
+    faces = np.asarray(faces)
+    if faces.ndim != 2 or faces.shape[1] != 3:
+        raise ValueError(f"faces must have shape (F, 3), but the shape is {faces.shape}")
+    face_count = len(faces)
+    corners = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2).reshape(-1, 2)
+    key = corners.min(axis=1).astype(np.int64) << 32 | corners.max(axis=1)
+    order = np.argsort(key, kind="stable")
+    sorted_key = key[order]
+    same = sorted_key[1:] == sorted_key[:-1]
+    if np.any(same[1:] & same[:-1]):
+        first, second = corners[order[:-2][same[1:] & same[:-1]][0]]
+        raise ValueError(
+            f"the edge between vertices {first} and {second} has more than two triangles; "
+            "repair the mesh first"
+        )
+    left, right = order[:-1][same], order[1:][same]
+    neighbours = np.full(3 * face_count, -1, dtype=np.int32)
+    neighbours[left] = right // 3
+    neighbours[right] = left // 3
+    neighbours = neighbours.reshape(-1, 3)
+    return _with_csr(neighbours)
+
+
+def _with_csr(neighbours: np.ndarray) -> DualGraph:
+    # Two triangles that share two edges are one pair of the graph.
+    present = neighbours >= 0
+    present[:, 1] &= neighbours[:, 1] != neighbours[:, 0]
+    present[:, 2] &= (neighbours[:, 2] != neighbours[:, 0]) & (neighbours[:, 2] != neighbours[:, 1])
+    starts = np.zeros(len(neighbours) + 1, dtype=np.int64)
+    np.cumsum(present.sum(axis=1), out=starts[1:])
+    return DualGraph(neighbours, starts, neighbours[present].astype(np.int64))
