@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "collapse_mesh.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+namespace {
+
+constexpr int kSerialSize = 1000;
+
+/// True when `v` has one closed fan that holds all its faces.
+bool has_closed_fan(const CollapseMesh& mesh, int v) {
+    const int degree = mesh.vertices[v].degree;
+    const int first = mesh.vertices[v].face;
+    if (degree < 3) {
+        return false;
+    }
+    int f = first;
+    for (int i = 0; i < degree; ++i) {
+        f = mesh.faces[f].neighbors[(mesh.corner_of(f, v) + 2) % 3];
+        if (f < 0 || f == first) {
+            return f == first && i + 1 == degree;
+        }
+    }
+    return false;
+}
+
+/// True when collapsing the star with this ring into ring[t] makes no edge that exists already.
+bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int degree, int t) {
+    if (degree == 3) {
+        return true;
+    }
+    const int before = ring[(t + degree - 1) % degree];
+    const int after = ring[(t + 1) % degree];
+    bool satisfied = true;
+    mesh.for_each_in_star(ring[t], [&](int, int r) {
+        satisfied = r == before || r == after || std::find(ring, ring + degree, r) == ring + degree;
+        return satisfied;
+    });
+    return satisfied;
+}
+
+/// Position in the ring of the allowed target of least degree, then least weight; or -1.
+int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
+    std::array<int, 3> last = {-1, -1, -1};
+    for (int attempt = 0; attempt < degree; ++attempt) {
+        int best = -1;
+        std::array<int, 3> best_rank{};
+        for (int j = 0; j < degree; ++j) {
+            const CollapseMesh::Vertex& r = mesh.vertices[ring[j]];
+            const std::array<int, 3> rank = {r.degree, r.weight, ring[j]};
+            if (rank > last && (best < 0 || rank < best_rank)) {
+                best = j;
+                best_rank = rank;
+            }
+        }
+        if (!mesh.is_fixed[ring[best]] && satisfies_link_condition(mesh, ring, degree, best)) {
+            return best;
+        }
+        last = best_rank;
+    }
+    return -1;
+}
+
+/// Gathers the star of collapse i, rotated to its target.
+void plan_star(CollapseMesh& mesh, CollapseRound& round, int i) {
+    const int v = round.vertex[i];
+    int* const ring = &round.ring_vertices[round.star_begin[i]];
+    int* const faces = &round.star_faces[round.star_begin[i]];
+    int degree = 0;
+    mesh.for_each_in_star(v, [&](int f, int r) {
+        ring[degree] = r;
+        faces[degree] = f;
+        ++degree;
+        return true;
+    });
+    const int t = choose_target(mesh, ring, degree);
+    if (t < 0) {
+        round.target[i] = -1;
+        return;
+    }
+    std::rotate(ring, ring + t, ring + degree);
+    std::rotate(faces, faces + t, faces + degree);
+    round.target[i] = ring[0];
+}
+
+/// True when a collapse of smaller key makes an edge that collapse i would make too. Both removed
+/// vertices are then neighbours of both ends of that edge, so the target's ring shows them.
+bool loses_conflict(const CollapseMesh& mesh,
+                    const CollapseRound& round,
+                    const std::vector<std::uint64_t>& keys,
+                    int i) {
+    const int t = round.target[i];
+    const int degree = round.star_begin[i + 1] - round.star_begin[i];
+    if (t < 0 || degree == 3) {
+        return false;
+    }
+    // The new edges lead from the target to the ring but for its first, second and last vertex.
+    const int* const ring = &round.ring_vertices[round.star_begin[i]];
+    bool loses = false;
+    mesh.for_each_in_star(t, [&](int, int u) {
+        const int other = mesh.vertices[u].slot;
+        if (other < 0 || other == i || round.target[other] < 0 || keys[u] > keys[round.vertex[i]]) {
+            return true;
+        }
+        const int other_target = round.target[other];
+        if (other_target == t) {
+            const int* const begin = &round.ring_vertices[round.star_begin[other]];
+            const int* const end = begin + round.star_begin[other + 1] - round.star_begin[other];
+            loses = std::find_first_of(begin, end, ring + 2, ring + degree - 1) != end;
+        } else {
+            loses = std::find(ring + 2, ring + degree - 1, other_target) != ring + degree - 1;
+        }
+        return !loses;
+    });
+    return loses;
+}
+
+/// What the two vanishing faces of a collapse leave behind: the faces beyond their outer edges,
+/// and where those refer to them (-1: the face beyond vanishes too, and its heir is meant).
+struct Seam {
+    std::array<int, 2> beyond;
+    std::array<int, 2> side;
+};
+
+Seam find_seam(const CollapseMesh& mesh, const CollapseRound& round, int i) {
+    Seam seam;
+    const std::array<int, 2> vanishing = {round.star_faces[round.star_begin[i]],
+                                          round.star_faces[round.star_begin[i + 1] - 1]};
+    for (int k = 0; k < 2; ++k) {
+        const int f = vanishing[k];
+        const int g = mesh.faces[f].neighbors[(mesh.corner_of(f, round.vertex[i]) + 1) % 3];
+        if (g < 0) {
+            seam.beyond[k] = -1;
+            seam.side[k] = -1;
+        } else if (mesh.faces[g].heir >= 0) {
+            seam.beyond[k] = mesh.faces[g].heir;
+            seam.side[k] = -1;
+        } else {
+            const auto& n = mesh.faces[g].neighbors;
+            seam.beyond[k] = g;
+            seam.side[k] = n[0] == f ? 0 : n[1] == f ? 1 : 2;
+        }
+    }
+    return seam;
+}
+
+void add_to_vertex(CollapseMesh& mesh, int v, int degree, int weight) {
+#pragma omp atomic
+    mesh.vertices[v].degree += degree;
+#pragma omp atomic
+    mesh.vertices[v].weight += weight;
+}
+
+/// Shares the weight of the two vanishing faces evenly among the faces that stay.
+void share_weight(CollapseMesh& mesh, const int* ring, const int* faces, int degree) {
+    const std::int64_t freed = mesh.faces[faces[0]].weight + mesh.faces[faces[degree - 1]].weight;
+    int kept_weight = 0;
+    add_to_vertex(mesh, ring[1], -1, -mesh.faces[faces[0]].weight);
+    add_to_vertex(mesh, ring[degree - 1], -1, -mesh.faces[faces[degree - 1]].weight);
+    for (int j = 1; j + 1 < degree; ++j) {
+        const int share =
+            static_cast<int>(freed * j / (degree - 2) - freed * (j - 1) / (degree - 2));
+        kept_weight += mesh.faces[faces[j]].weight;
+        mesh.faces[faces[j]].weight += share;
+        add_to_vertex(mesh, ring[j], 0, share);
+        add_to_vertex(mesh, ring[j + 1], 0, share);
+    }
+    add_to_vertex(mesh, ring[0], degree - 4, kept_weight);
+}
+
+void apply_collapse(CollapseMesh& mesh, const CollapseRound& round, const Seam& seam, int i) {
+    const int v = round.vertex[i];
+    const int t = round.target[i];
+    const int degree = round.star_begin[i + 1] - round.star_begin[i];
+    const int* const ring = &round.ring_vertices[round.star_begin[i]];
+    const int* const faces = &round.star_faces[round.star_begin[i]];
+    share_weight(mesh, ring, faces, degree);
+    const std::array<int, 2> heirs = {faces[1], faces[degree - 2]};
+    for (int k = 0; k < 2; ++k) {
+        const int c = mesh.corner_of(heirs[k], v);
+        mesh.faces[heirs[k]].neighbors[k == 0 ? c : (c + 2) % 3] = seam.beyond[k];
+        if (seam.side[k] >= 0) {
+            mesh.faces[seam.beyond[k]].neighbors[seam.side[k]] = heirs[k];
+        }
+    }
+    for (int j = 1; j + 1 < degree; ++j) {
+        mesh.faces[faces[j]].vertices[mesh.corner_of(faces[j], v)] = t;
+    }
+}
+
+} // namespace
+
+CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
+                           const DualGraph& dual_graph,
+                           int thread_count) {
+    const int face_count = mesh.face_count();
+    const int vertex_count = mesh.vertex_count();
+    faces.resize(face_count);
+    vertices.assign(vertex_count, {-1, 0, 0, -1});
+    is_fixed.assign(vertex_count, 0);
+#pragma omp parallel for num_threads(thread_count)
+    for (int f = 0; f < face_count; ++f) {
+        faces[f] = {mesh.faces[f], dual_graph.neighbors[f], 1, -1};
+    }
+    for (int f = 0; f < face_count; ++f) {
+        for (int v : faces[f].vertices) {
+            vertices[v].face = f;
+            ++vertices[v].degree;
+            ++vertices[v].weight;
+        }
+    }
+#pragma omp parallel for num_threads(thread_count)
+    for (int v = 0; v < vertex_count; ++v) {
+        is_fixed[v] = !has_closed_fan(*this, v);
+    }
+}
+
+void plan_collapses(CollapseMesh& mesh,
+                    CollapseRound& round,
+                    const std::vector<std::uint64_t>& keys,
+                    int thread_count) {
+    const int count = round.size();
+    round.target.resize(count);
+    round.star_begin.resize(count + 1);
+    round.star_begin[0] = 0;
+    for (int i = 0; i < count; ++i) {
+        mesh.vertices[round.vertex[i]].slot = i;
+        round.star_begin[i + 1] = round.star_begin[i] + mesh.vertices[round.vertex[i]].degree;
+    }
+    round.ring_vertices.resize(round.star_begin[count]);
+    round.star_faces.resize(round.star_begin[count]);
+    std::vector<char> loses(count);
+#pragma omp parallel num_threads(thread_count) if (count > kSerialSize)
+    {
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            plan_star(mesh, round, i);
+        }
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            loses[i] = loses_conflict(mesh, round, keys, i);
+        }
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            round.target[i] = loses[i] ? -1 : round.target[i];
+            mesh.vertices[round.vertex[i]].slot = -1;
+        }
+    }
+}
+
+void apply_collapses(CollapseMesh& mesh, const CollapseRound& round, int thread_count) {
+    const int count = round.size();
+    std::vector<Seam> seams(count);
+#pragma omp parallel num_threads(thread_count) if (count > kSerialSize)
+    {
+        // Three steps, since the stars of two collapses may share edges: a vanishing face may lie
+        // beside one that vanishes with another star.
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            if (round.target[i] >= 0) {
+                const int* const begin = &round.star_faces[round.star_begin[i]];
+                const int* const end = begin + round.star_begin[i + 1] - round.star_begin[i];
+                mesh.faces[begin[0]].heir = begin[1];
+                mesh.faces[end[-1]].heir = end[-2];
+            }
+        }
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            if (round.target[i] >= 0) {
+                seams[i] = find_seam(mesh, round, i);
+            }
+        }
+#pragma omp for
+        for (int i = 0; i < count; ++i) {
+            if (round.target[i] >= 0) {
+                apply_collapse(mesh, round, seams[i], i);
+            }
+        }
+    }
+}
+
+} // namespace spheroseg

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "dual_graph.h"
+
+namespace spheroseg {
+
+/// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy.
+struct CollapseMesh {
+    struct Face {
+        Triangle vertices;
+        /// As in DualGraph.
+        std::array<int, 3> neighbors;
+        /// Number of input faces that this face stands for.
+        int weight;
+        /// -1 while the face lives; else the face of its star that took over its place.
+        int heir;
+    };
+    struct Vertex {
+        /// One of its faces; follow `heir` when that face is gone.
+        int face;
+        int degree;
+        /// Sum of the weights of its faces.
+        int weight;
+        /// Index of its collapse in the running round, or -1.
+        int slot;
+    };
+
+    std::vector<Face> faces;
+    std::vector<Vertex> vertices;
+    /// Vertices without one closed fan of at least three faces: never removed, never a target.
+    std::vector<char> is_fixed;
+
+    CollapseMesh(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count);
+
+    int corner_of(int face, int vertex) const {
+        const Triangle& t = faces[face].vertices;
+        return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+    }
+
+    /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) of the
+    /// closed fan of `v`, counter-clockwise, until it answers false.
+    template <class Visit> void for_each_in_star(int v, Visit&& visit) const {
+        const int first = vertices[v].face;
+        int f = first;
+        do {
+            const int c = corner_of(f, v);
+            if (!visit(f, faces[f].vertices[(c + 1) % 3])) {
+                return;
+            }
+            f = faces[f].neighbors[(c + 2) % 3];
+        } while (f != first);
+    }
+};
+
+/// The collapses of one round, in the layout of CollapseHierarchy; `target` is -1 for a vertex
+/// that can not be removed now.
+struct CollapseRound {
+    std::vector<int> vertex;
+    std::vector<int> target;
+    std::vector<int> star_begin;
+    std::vector<int> ring_vertices;
+    std::vector<int> star_faces;
+
+    int size() const { return static_cast<int>(vertex.size()); }
+};
+
+/// Fills `round` for the vertices in round.vertex, no two of which are neighbours: their stars and
+/// targets. The target is the ring vertex of least degree that satisfies the link condition. Of
+/// two collapses that would make the same edge, the one of higher `keys[vertex]` gets no target.
+void plan_collapses(CollapseMesh& mesh,
+                    CollapseRound& round,
+                    const std::vector<std::uint64_t>& keys,
+                    int thread_count);
+
+/// Carries out the collapses that have a target.
+void apply_collapses(CollapseMesh& mesh, const CollapseRound& round, int thread_count);
+
+} // namespace spheroseg

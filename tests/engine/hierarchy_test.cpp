@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "hierarchy.h"
+
+#include "errors.h"
+#include "test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+namespace spheroseg {
+namespace {
+
+CollapseHierarchy hierarchy_of(const TriangleMesh& mesh, int thread_count = 2) {
+    return build_hierarchy(mesh, build_dual_graph(mesh, 1), thread_count);
+}
+
+/// A small mesh that is undone step by step: the faces that live now, by input index.
+class Replay {
+public:
+    Replay(const CollapseHierarchy& hierarchy, int face_count)
+        : hierarchy_(hierarchy), faces_(face_count, kNone) {
+        for (std::size_t i = 0; i < hierarchy.base_faces.size(); ++i) {
+            faces_[hierarchy.base_faces[i]] = hierarchy.base_triangles[i];
+        }
+    }
+
+    const std::vector<Triangle>& faces() const { return faces_; }
+
+    /// Undoes step i; fails the test where the faces are not what the step says it left.
+    void undo(int i) {
+        const int begin = hierarchy_.star_begin[i];
+        const int degree = hierarchy_.star_begin[i + 1] - begin;
+        const auto ring = [&](int j) { return hierarchy_.ring_vertices[begin + j % degree]; };
+        ASSERT_GE(degree, 3);
+        ASSERT_EQ(ring(0), hierarchy_.target[i]);
+        for (int j = 0; j < degree; ++j) {
+            const int f = hierarchy_.star_faces[begin + j];
+            const bool vanished = j == 0 || j == degree - 1;
+            const Triangle expected =
+                vanished ? kNone : Triangle{hierarchy_.target[i], ring(j), ring(j + 1)};
+            ASSERT_EQ(rotated(faces_[f]), rotated(expected)) << "step " << i << ", face " << f;
+            faces_[f] = {hierarchy_.vertex[i], ring(j), ring(j + 1)};
+        }
+    }
+
+    /// The living faces, closed up: empty ones left out.
+    TriangleMesh living_mesh(int vertex_count) const {
+        TriangleMesh mesh;
+        mesh.positions.resize(vertex_count);
+        for (const Triangle& t : faces_) {
+            if (t != kNone) {
+                mesh.faces.push_back(t);
+            }
+        }
+        return mesh;
+    }
+
+    static Triangle rotated(const Triangle& t) {
+        const int first = static_cast<int>(std::min_element(t.begin(), t.end()) - t.begin());
+        return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
+    }
+
+private:
+    static constexpr Triangle kNone = {-1, -1, -1};
+
+    const CollapseHierarchy& hierarchy_;
+    std::vector<Triangle> faces_;
+};
+
+/// Every side of every face has one opposite side, no two edges join the same two vertices, and
+/// V - E + F = 2: a triangulated sphere when connected.
+void expect_closed_surface(const TriangleMesh& mesh) {
+    std::set<std::pair<int, int>> sides;
+    std::set<int> vertices;
+    for (const Triangle& t : mesh.faces) {
+        for (int c = 0; c < 3; ++c) {
+            vertices.insert(t[c]);
+            EXPECT_TRUE(sides.insert({t[c], t[(c + 1) % 3]}).second);
+        }
+    }
+    for (const auto& [a, b] : sides) {
+        EXPECT_EQ(sides.count({b, a}), 1u);
+    }
+    EXPECT_EQ(static_cast<int>(vertices.size()) - mesh.face_count() / 2, 2);
+    for (const auto& neighbors : build_dual_graph(mesh, 1).neighbors) {
+        EXPECT_TRUE(neighbors[0] >= 0 && neighbors[1] >= 0 && neighbors[2] >= 0);
+    }
+}
+
+class HierarchyOfEachMesh : public testing::TestWithParam<test::NamedMesh> {};
+
+TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
+    const TriangleMesh& mesh = GetParam().mesh;
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_EQ(hierarchy.base_faces.size(), 4u);
+    EXPECT_EQ(hierarchy.step_count(), (mesh.face_count() - 4) / 2);
+    std::set<int> left;
+    for (const Triangle& t : hierarchy.base_triangles) {
+        left.insert(t.begin(), t.end());
+    }
+    EXPECT_EQ(left.size(), 4u);
+    for (int v : hierarchy.vertex) {
+        EXPECT_TRUE(left.insert(v).second) << "vertex " << v << " is removed twice or never";
+    }
+    EXPECT_EQ(static_cast<int>(left.size()), mesh.vertex_count());
+}
+
+TEST_P(HierarchyOfEachMesh, UndoneBackwardsGivesTheInputFaces) {
+    const TriangleMesh& mesh = GetParam().mesh;
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    Replay replay(hierarchy, mesh.face_count());
+    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+        replay.undo(i);
+        ASSERT_FALSE(HasFatalFailure());
+    }
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        EXPECT_EQ(Replay::rotated(replay.faces()[f]), Replay::rotated(mesh.faces[f]));
+    }
+}
+
+TEST_P(HierarchyOfEachMesh, IsASphereAfterEveryRound) {
+    const TriangleMesh& mesh = GetParam().mesh;
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    Replay replay(hierarchy, mesh.face_count());
+    for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
+        expect_closed_surface(replay.living_mesh(mesh.vertex_count()));
+        for (int i = hierarchy.round_begin[r + 1] - 1; i >= hierarchy.round_begin[r]; --i) {
+            replay.undo(i);
+        }
+    }
+}
+
+TEST_P(HierarchyOfEachMesh, RoundsAreIndependent) {
+    const TriangleMesh& mesh = GetParam().mesh;
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_EQ(hierarchy.round_begin.back(), hierarchy.step_count());
+    for (int r = 0; r < hierarchy.round_count(); ++r) {
+        const int begin = hierarchy.round_begin[r];
+        const int end = hierarchy.round_begin[r + 1];
+        ASSERT_LT(begin, end);
+        const std::set<int> removed(&hierarchy.vertex[begin],
+                                    &hierarchy.vertex[begin] + end - begin);
+        std::set<int> star_faces;
+        for (int j = hierarchy.star_begin[begin]; j < hierarchy.star_begin[end]; ++j) {
+            EXPECT_TRUE(star_faces.insert(hierarchy.star_faces[j]).second);
+            EXPECT_EQ(removed.count(hierarchy.ring_vertices[j]), 0u);
+        }
+    }
+}
+
+TEST_P(HierarchyOfEachMesh, IsTheSameForOneAndThreeThreads) {
+    const CollapseHierarchy one = hierarchy_of(GetParam().mesh, 1);
+    const CollapseHierarchy three = hierarchy_of(GetParam().mesh, 3);
+    EXPECT_EQ(one.vertex, three.vertex);
+    EXPECT_EQ(one.target, three.target);
+    EXPECT_EQ(one.star_begin, three.star_begin);
+    EXPECT_EQ(one.ring_vertices, three.ring_vertices);
+    EXPECT_EQ(one.star_faces, three.star_faces);
+    EXPECT_EQ(one.round_begin, three.round_begin);
+    EXPECT_EQ(one.base_faces, three.base_faces);
+    EXPECT_EQ(one.base_triangles, three.base_triangles);
+}
+
+std::string name_of(const testing::TestParamInfo<test::NamedMesh>& info) {
+    std::string name = info.param.name;
+    for (char& c : name) {
+        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+    }
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(GenusZero,
+                         HierarchyOfEachMesh,
+                         testing::ValuesIn(test::genus_zero_meshes()),
+                         name_of);
+
+TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
+    for (const TriangleMesh& mesh : {test::icosphere(5), test::limbed_figure(5)}) {
+        const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        int left = mesh.vertex_count();
+        for (int r = 0; r < hierarchy.round_count() && left > 100; ++r) {
+            const int removed = hierarchy.round_begin[r + 1] - hierarchy.round_begin[r];
+            EXPECT_GE(removed, left / 10);
+            left -= removed;
+        }
+        for (int i = 0; i < hierarchy.step_count(); ++i) {
+            EXPECT_LE(hierarchy.star_begin[i + 1] - hierarchy.star_begin[i], 8);
+        }
+    }
+}
+
+TEST(Hierarchy, KeepsOpenBorders) {
+    const TriangleMesh mesh = test::open_grid(20);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_GT(hierarchy.step_count(), 300) << "of 19 * 19 vertices inside";
+    const auto is_inside = [](int c) { return c > 0 && c < 20; };
+    for (int v : hierarchy.vertex) {
+        EXPECT_TRUE(is_inside(v % 21) && is_inside(v / 21));
+    }
+    Replay replay(hierarchy, mesh.face_count());
+    int border_edges = 0;
+    for (const auto& neighbors :
+         build_dual_graph(replay.living_mesh(mesh.vertex_count()), 1).neighbors) {
+        border_edges += static_cast<int>(std::count(neighbors.begin(), neighbors.end(), -1));
+    }
+    EXPECT_EQ(border_edges, 4 * 20);
+}
+
+TEST(Hierarchy, StopsOnATorusUnderTheLinkCondition) {
+    const TriangleMesh mesh = test::torus(24, 16);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    Replay replay(hierarchy, mesh.face_count());
+    const TriangleMesh base = replay.living_mesh(mesh.vertex_count());
+    EXPECT_LT(base.face_count(), 40);
+    EXPECT_GE(base.face_count(), 14) << "no torus has fewer faces";
+    std::set<int> vertices;
+    for (const Triangle& t : base.faces) {
+        vertices.insert(t.begin(), t.end());
+    }
+    EXPECT_EQ(static_cast<int>(vertices.size()) - base.face_count() / 2, 0);
+}
+
+TEST(Hierarchy, IgnoresUnreferencedVerticesAndAcceptsNoFaces) {
+    TriangleMesh mesh = test::icosphere(2);
+    mesh.positions.insert(mesh.positions.begin(), 5, Vec3{9, 9, 9});
+    for (Triangle& t : mesh.faces) {
+        t = {t[0] + 5, t[1] + 5, t[2] + 5};
+    }
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_EQ(hierarchy.base_faces.size(), 4u);
+    EXPECT_TRUE(std::all_of(
+        hierarchy.vertex.begin(), hierarchy.vertex.end(), [](int v) { return v >= 5; }));
+    EXPECT_EQ(hierarchy_of({}).round_count(), 0);
+}
+
+TEST(Hierarchy, ReportsRisingProgressAndCanBeCancelled) {
+    const TriangleMesh mesh = test::icosphere(3);
+    const DualGraph dual_graph = build_dual_graph(mesh, 1);
+    double last = 0.0;
+    build_hierarchy(mesh, dual_graph, 1, [&](double fraction, const char*) {
+        EXPECT_GE(fraction, last);
+        EXPECT_LE(fraction, 1.0);
+        last = fraction;
+        return true;
+    });
+    EXPECT_GT(last, 0.9);
+    EXPECT_THROW(build_hierarchy(mesh, dual_graph, 1, [](double, const char*) { return false; }),
+                 Cancelled);
+}
+
+} // namespace
+} // namespace spheroseg
