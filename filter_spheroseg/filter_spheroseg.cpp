@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "filter_spheroseg.h"
+
+#include "coloring.h"
+#include "help.h"
+#include "mesh_adapter.h"
+#include "parameters.h"
+
+using namespace spheroseg;
+
+namespace {
+
+Progress to_progress(vcg::CallBackPos* callback) {
+    if (!callback) {
+        return {};
+    }
+    return [callback](double fraction, const char* step) {
+        return callback(static_cast<int>(100.0 * fraction), step);
+    };
+}
+
+void require_closed_genus_zero(const PreparedMesh& prepared) {
+    const std::string error = closed_genus_zero_error(prepared.report());
+    if (!error.empty()) {
+        throw InvalidInput(error);
+    }
+}
+
+} // namespace
+
+FilterSpheroSegPlugin::FilterSpheroSegPlugin() {
+    typeList = {SEGMENTATION, PARAMETRIZATION, MEASURES};
+    for (ActionIDType filter : types()) {
+        actionList.push_back(new QAction(filterName(filter), this));
+    }
+}
+
+QString FilterSpheroSegPlugin::pluginName() const {
+    return "FilterSpheroSeg";
+}
+
+QString FilterSpheroSegPlugin::vendor() const {
+    return "SpheroSeg";
+}
+
+QString FilterSpheroSegPlugin::filterName(ActionIDType filter) const {
+    switch (filter) {
+    case SEGMENTATION:
+        return "Balanced Segmentation (SpheroSeg)";
+    case PARAMETRIZATION:
+        return "Spherical Parametrization (SpheroSeg)";
+    case MEASURES:
+        return "Segmentation Measures (SpheroSeg)";
+    }
+    return {};
+}
+
+QString FilterSpheroSegPlugin::pythonFilterName(ActionIDType filter) const {
+    switch (filter) {
+    case SEGMENTATION:
+        return "compute_scalar_by_balanced_segmentation_per_face";
+    case PARAMETRIZATION:
+        return "compute_spherical_parametrization_per_vertex";
+    case MEASURES:
+        return "get_segmentation_measures";
+    }
+    return {};
+}
+
+QString FilterSpheroSegPlugin::filterInfo(ActionIDType filter) const {
+    switch (filter) {
+    case SEGMENTATION:
+        return kSegmentationHelp;
+    case PARAMETRIZATION:
+        return kParametrizationHelp;
+    case MEASURES:
+        return kMeasuresHelp;
+    }
+    return {};
+}
+
+FilterPlugin::FilterClass FilterSpheroSegPlugin::getClass(const QAction*) const {
+    return FilterPlugin::Quality;
+}
+
+FilterPlugin::FilterArity FilterSpheroSegPlugin::filterArity(const QAction*) const {
+    return FilterPlugin::SINGLE_MESH;
+}
+
+int FilterSpheroSegPlugin::getPreConditions(const QAction* action) const {
+    return ID(action) == MEASURES ? MeshModel::MM_FACENUMBER | MeshModel::MM_FACEQUALITY
+                                  : MeshModel::MM_FACENUMBER;
+}
+
+int FilterSpheroSegPlugin::postCondition(const QAction* action) const {
+    return ID(action) == SEGMENTATION ? MeshModel::MM_FACEQUALITY | MeshModel::MM_FACECOLOR
+                                      : MeshModel::MM_NONE;
+}
+
+RichParameterList FilterSpheroSegPlugin::initParameterList(const QAction* action,
+                                                           const MeshDocument& document) {
+    switch (ID(action)) {
+    case SEGMENTATION:
+        return segmentation_parameters(document.mm() ? document.mm()->cm.fn : 0);
+    case PARAMETRIZATION:
+        return parametrization_parameters();
+    }
+    return {};
+}
+
+std::map<std::string, QVariant>
+FilterSpheroSegPlugin::applyFilter(const QAction* action,
+                                   const RichParameterList& parameters,
+                                   MeshDocument& document,
+                                   unsigned int& post_condition_mask,
+                                   vcg::CallBackPos* callback) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    try {
+        if (!document.mm()) {
+            throw InvalidInput("A mesh is expected, but the document has none. Open one first.");
+        }
+        switch (ID(action)) {
+        case SEGMENTATION:
+            return segment(*document.mm(), parameters, post_condition_mask, to_progress(callback));
+        case PARAMETRIZATION:
+            return parametrize(document, parameters, to_progress(callback));
+        case MEASURES:
+            return measure(*document.mm());
+        }
+    } catch (const MLException&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw MLException("There is not enough memory for this mesh; it was not changed.");
+    } catch (const std::exception& error) {
+        throw MLException(error.what());
+    }
+    wrongActionCalled(action);
+    return {};
+}
+
+Results FilterSpheroSegPlugin::segment(MeshModel& model,
+                                       const RichParameterList& parameters,
+                                       unsigned int& post_condition_mask,
+                                       const Progress& progress) {
+    const SegmentOptions options = segment_options(parameters);
+    const bool colorize = parameters.getBool("colorize");
+    HostMesh host = read_mesh(model.cm);
+    auto sphere_positions = read_sphere_positions(model.cm, host);
+    const bool has_positions = sphere_positions.has_value();
+    PreparedMesh& prepared =
+        cache_.prepare(std::move(host.mesh), std::move(sphere_positions), options.thread_count);
+    validate(options, prepared);
+    if (has_positions && !cache_.uses_given_positions()) {
+        log(GLLogStream::WARNING,
+            "The attribute sphere_position does not fit this mesh any more; it is ignored.");
+    }
+
+    const Segmentation segmentation = spheroseg::segment(prepared, options, progress);
+    std::vector<Rgb> colors;
+    if (colorize) {
+        colors = submesh_colors(prepared.mesh(),
+                                prepared.dual_graph(),
+                                segmentation.labels,
+                                segmentation.measures.submesh_count);
+    }
+
+    model.updateDataMask(MeshModel::MM_FACEQUALITY);
+    write_labels(model.cm, host, segmentation.labels);
+    post_condition_mask = MeshModel::MM_FACEQUALITY;
+    if (colorize) {
+        model.updateDataMask(MeshModel::MM_FACECOLOR);
+        write_face_colors(model.cm, host, segmentation.labels, colors);
+        post_condition_mask |= MeshModel::MM_FACECOLOR;
+    }
+    log(GLLogStream::FILTER, summary(segmentation));
+    const std::string missing = shortcomings(segmentation.measures);
+    if (!missing.empty()) {
+        log(GLLogStream::WARNING, "The result has " + missing + ".");
+    }
+    return segmentation_results(segmentation);
+}
+
+Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
+                                           const RichParameterList& parameters,
+                                           const Progress& progress) {
+    const Deadline watch;
+    MeshModel& model = *document.mm();
+    HostMesh host = read_mesh(model.cm);
+    PreparedMesh& prepared = cache_.prepare(std::move(host.mesh), std::nullopt, 0);
+    require_closed_genus_zero(prepared);
+    // Measured as the host stores them: single precision may flip a tiny triangle.
+    const std::vector<Vec3> positions =
+        rounded_to_host(prepared.parametrization(0, progress).positions);
+    const ParametrizationQuality quality = measure_parametrization(prepared.mesh(), positions);
+
+    write_sphere_positions(model.cm, host, positions);
+    if (parameters.getBool("new_layer")) {
+        MeshModel* layer = document.addNewMesh(model.cm, model.label() + " (sphere)", false);
+        move_vertices(layer->cm, host, positions);
+    }
+    const double seconds = watch.elapsed_seconds();
+    log("%i vertices on the sphere; %i flipped triangles, mean area distortion %.3g; %.3g s",
+        static_cast<int>(positions.size()),
+        quality.flipped_triangle_count,
+        quality.area_distortion_mean,
+        seconds);
+    return parametrization_results(quality, seconds);
+}
+
+Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
+    HostMesh host = read_mesh(model.cm);
+    const std::vector<int> labels = read_labels(model.cm, host);
+    if (labels.empty()) {
+        throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
+                           "mesh first.");
+    }
+    const int submesh_count = *std::max_element(labels.begin(), labels.end()) + 1;
+    const DualGraph dual_graph = build_dual_graph(host.mesh);
+    const Measures measures = spheroseg::measure(host.mesh, dual_graph, labels, submesh_count);
+    log(GLLogStream::FILTER, summary(measures));
+    return measure_results(measures);
+}
+
+MESHLAB_PLUGIN_NAME_EXPORTER(FilterSpheroSegPlugin)

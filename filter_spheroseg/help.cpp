@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "help.h"
+
+#define SPHEROSEG_CITATION                                                                         \
+    "<br>See:<br>"                                                                                 \
+    "<i>Huadong Zhang, Lizhou Cao, Chao Peng</i><br>"                                              \
+    "<b>\"Spherical Parametric Measurement for Continuous and Balanced Mesh Segmentation\"</b>"    \
+    "<br>High-Performance Graphics, 2023<br>"
+
+#define SPHEROSEG_PRECONDITION                                                                     \
+    "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "       \
+    "component and genus 0 with finite coordinates; unreferenced vertices are ignored. For any "   \
+    "other mesh the filter fails, says what is wrong, and changes nothing.<br>"
+
+#define SPHEROSEG_MEASURES                                                                         \
+    "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
+    "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "               \
+    "<i>coefficient_of_variation</i> (of the triangle counts), <i>bowtie_count</i> (vertices "     \
+    "where a sub-mesh touches itself), <i>disconnected_submesh_count</i>, <i>disk_count</i> "      \
+    "(sub-meshes that are topological disks), <i>boundary_edge_ratio</i> (boundary edges over "    \
+    "all edges)"
+
+namespace spheroseg {
+
+const char* const kSegmentationHelp =
+    "Cuts a mesh into sub-meshes of equal size: their triangle counts differ by at most one. The "
+    "mesh is mapped onto the unit sphere, triangles are grouped there into compact sub-meshes, "
+    "and then the boundaries are refined.<br>" SPHEROSEG_PRECONDITION
+    "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
+    "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
+    "apart (option <i>colorize</i>). Nothing else is changed. A valid per-vertex attribute "
+    "<i>sphere_position</i> (see Spherical Parametrization) is used instead of a new map. The same "
+    "seed gives the same labels, on every run and for any number of threads.<br>"
+    "<b>Returns</b> <i>submesh_count</i>, <i>triangle_count</i>, <i>min_submesh_triangles</i>, "
+    "<i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
+    ", <i>cohesion_iterations</i>, <i>refinement_iterations</i>, <i>parametrization_seconds</i>, "
+    "<i>cohesion_seconds</i>, <i>refinement_seconds</i>, <i>total_seconds</i>, "
+    "<i>time_limit_hit</i>, <i>used_cuda</i>, and for each iteration (cohesion, then refinement) "
+    "<i>boundary_edges_by_iteration</i>, <i>seconds_by_iteration</i>, "
+    "<i>energy_by_iteration</i>.<br>" SPHEROSEG_CITATION;
+
+const char* const kParametrizationHelp =
+    "Maps a mesh onto the unit sphere without flipped triangles: the mesh is collapsed to a "
+    "tetrahedron, whose vertices are put on the sphere, and the others are inserted again in "
+    "reverse order, each where the shape of the triangles around it suffers "
+    "least.<br>" SPHEROSEG_PRECONDITION
+    "<b>Writes</b> the place of each vertex on the sphere as per-vertex custom point attribute "
+    "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation uses it, "
+    "so that another number of sub-meshes costs no new map. With <i>new_layer</i> a copy of the "
+    "mesh with its vertices at these places is added.<br>"
+    "<b>Returns</b> <i>flipped_triangle_count</i>, <i>min_triangle_area</i> (on the sphere), "
+    "<i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the sphere over share of "
+    "the mesh, or its inverse if that is larger, per triangle), <i>seconds</i>. In single "
+    "precision the last bits of the map are lost, so that on large meshes a few tiny triangles may "
+    "count as flipped; a segmentation then makes its own map.<br>" SPHEROSEG_CITATION;
+
+const char* const kMeasuresHelp =
+    "Measures the sub-meshes that are given by the labels in face quality, whoever wrote "
+    "them.<br>"
+    "<b>Needs</b> face quality with whole numbers from 0 to 16777215; anything else is an error. "
+    "The mesh may be open and of any genus; an edge on an open border is no boundary edge.<br>"
+    "<b>Writes</b> nothing.<br>"
+    "<b>Returns</b> " SPHEROSEG_MEASURES ", and <i>submesh_triangles</i> (triangle count of each "
+    "label from 0 to the largest).<br>" SPHEROSEG_CITATION;
+
+} // namespace spheroseg

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "types.h"
+
+#include <common/ml_document/cmesh.h>
+
+#include <optional>
+
+namespace spheroseg {
+
+/// Name of the per-vertex point attribute that holds the spherical parametrization.
+inline constexpr const char* kSpherePosition = "sphere_position";
+
+/// The faces and vertices of a host mesh that are not deleted, in the host's order, with their
+/// indices there. A face that uses a deleted vertex gets vertex index -1, which the engine rejects.
+struct HostMesh {
+    TriangleMesh mesh;
+    std::vector<int> face_index;
+    std::vector<int> vertex_index;
+};
+
+HostMesh read_mesh(const CMeshO& host);
+
+/// Labels in face quality. Throws InvalidInput when the mesh has no face quality, or when a value
+/// is not a whole number in [0, 2^24): a single precision host holds no larger ones exactly.
+std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted);
+
+/// The `sphere_position` attribute, or nothing when the mesh has none.
+std::optional<std::vector<Vec3>> read_sphere_positions(const CMeshO& host, const HostMesh& adapted);
+
+/// Face quality must be enabled.
+void write_labels(CMeshO& host, const HostMesh& adapted, const std::vector<int>& labels);
+
+/// Face colours must be enabled.
+void write_face_colors(CMeshO& host,
+                       const HostMesh& adapted,
+                       const std::vector<int>& labels,
+                       const std::vector<std::array<std::uint8_t, 3>>& submesh_colors);
+
+/// Creates the attribute when it is missing; one with another type is replaced.
+void write_sphere_positions(CMeshO& host,
+                            const HostMesh& adapted,
+                            const std::vector<Vec3>& sphere_positions);
+
+/// Moves the vertices, and updates normals and the bounding box.
+void move_vertices(CMeshO& host, const HostMesh& adapted, const std::vector<Vec3>& positions);
+
+/// `positions` as the host's scalar type stores them.
+std::vector<Vec3> rounded_to_host(std::vector<Vec3> positions);
+
+} // namespace spheroseg

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parameters.h"
+
+namespace spheroseg {
+
+namespace {
+
+// In the order of the enums in segment.h.
+const QStringList kMethods = {"fast", "all_pairs"};
+const QStringList kEfforts = {"draft", "standard", "high"};
+const QStringList kDevices = {"auto", "cpu", "cuda"};
+
+int default_submesh_count(int face_count) {
+    const SegmentOptions defaults;
+    return face_count > 0 ? requested_submesh_count(defaults, face_count) : 200;
+}
+
+void add_limits(RichParameterList& parameters, const SegmentOptions& defaults) {
+    parameters.addParam(RichInt("max_cohesion_iterations",
+                                defaults.max_cohesion_iterations,
+                                "Limit of cohesion iterations",
+                                "Stop the cohesion after so many iterations. 0: until converged."));
+    parameters.addParam(RichInt("max_refinement_iterations",
+                                defaults.max_refinement_iterations,
+                                "Limit of refinement iterations",
+                                "Stop the refinement after so many iterations. 0: until "
+                                "converged."));
+    parameters.addParam(RichFloat("time_limit_seconds",
+                                  Scalarm(defaults.time_limit_seconds),
+                                  "Time limit (seconds)",
+                                  "Stop improving after this time. The result is still valid and "
+                                  "balanced, and time_limit_hit says that it was cut short. 0: no "
+                                  "limit."));
+}
+
+} // namespace
+
+RichParameterList segmentation_parameters(int face_count) {
+    const SegmentOptions defaults;
+    RichParameterList parameters;
+    parameters.addParam(RichInt("submesh_count",
+                                default_submesh_count(face_count),
+                                "Sub-meshes",
+                                "Number of sub-meshes, from 1 to the number of triangles."));
+    parameters.addParam(RichInt("triangles_per_submesh",
+                                defaults.triangles_per_submesh,
+                                "Triangles per sub-mesh",
+                                "If above 0, the number of sub-meshes is the number of triangles "
+                                "over this value, rounded up, and 'Sub-meshes' is ignored."));
+    parameters.addParam(RichEnum("method",
+                                 static_cast<int>(defaults.method),
+                                 kMethods,
+                                 "Method",
+                                 "'fast': for everyday use. 'all_pairs': the published method, "
+                                 "which tests all pairs of triangles; its time grows with the "
+                                 "square of the number of triangles."));
+    parameters.addParam(RichEnum("effort",
+                                 static_cast<int>(defaults.effort),
+                                 kEfforts,
+                                 "Effort",
+                                 "How long 'fast' refines the boundaries. Every effort gives the "
+                                 "same guarantees."));
+    parameters.addParam(RichEnum("device",
+                                 static_cast<int>(defaults.device),
+                                 kDevices,
+                                 "Device",
+                                 "'auto': the fastest one that works. 'cuda' without a usable "
+                                 "device is an error that says why."));
+    parameters.addParam(RichInt("seed",
+                                static_cast<int>(defaults.seed),
+                                "Seed",
+                                "Same seed, same labels: on every run, for any number of "
+                                "threads."));
+    parameters.addParam(RichInt(
+        "thread_count", defaults.thread_count, "Threads", "Number of threads. 0: all cores."));
+    add_limits(parameters, defaults);
+    parameters.addParam(RichBool("colorize",
+                                 true,
+                                 "Colour the faces",
+                                 "Give neighbouring sub-meshes clearly different face colours."));
+    return parameters;
+}
+
+SegmentOptions segment_options(const RichParameterList& parameters) {
+    SegmentOptions options;
+    options.submesh_count = parameters.getInt("submesh_count");
+    options.triangles_per_submesh = parameters.getInt("triangles_per_submesh");
+    // The engine reads 0 as "choose"; here the default is written out, so 0 is a mistake.
+    if (options.triangles_per_submesh == 0 && options.submesh_count < 1) {
+        throw InvalidOptions("submesh_count must be at least 1, found " +
+                             std::to_string(options.submesh_count) +
+                             ". Ask for between 1 and as many sub-meshes as triangles.");
+    }
+    options.method = static_cast<Method>(parameters.getEnum("method"));
+    options.effort = static_cast<Effort>(parameters.getEnum("effort"));
+    options.device = static_cast<Device>(parameters.getEnum("device"));
+    options.seed = static_cast<std::uint64_t>(parameters.getInt("seed"));
+    options.thread_count = parameters.getInt("thread_count");
+    options.max_cohesion_iterations = parameters.getInt("max_cohesion_iterations");
+    options.max_refinement_iterations = parameters.getInt("max_refinement_iterations");
+    options.time_limit_seconds = static_cast<double>(parameters.getFloat("time_limit_seconds"));
+    return options;
+}
+
+RichParameterList parametrization_parameters() {
+    RichParameterList parameters;
+    parameters.addParam(RichBool("new_layer",
+                                 false,
+                                 "New layer with the sphere",
+                                 "Also make a layer whose vertices lie at their places on the unit "
+                                 "sphere. The current layer stays current."));
+    return parameters;
+}
+
+} // namespace spheroseg

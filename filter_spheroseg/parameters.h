@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "segment.h"
+
+#include <common/parameters/rich_parameter_list.h>
+
+namespace spheroseg {
+
+/// The dialog of the segmentation filter for a mesh of `face_count` faces.
+RichParameterList segmentation_parameters(int face_count);
+
+/// Throws InvalidOptions for a submesh_count below 1 or a negative triangles_per_submesh; the
+/// engine's `validate` checks the rest against the mesh.
+SegmentOptions segment_options(const RichParameterList& parameters);
+
+RichParameterList parametrization_parameters();
+
+} // namespace spheroseg

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "segment.h"
+
+#include <memory>
+
+namespace spheroseg {
+
+/// Keeps what was prepared for the last mesh, so that another k on the same mesh is cheap.
+/// The whole mesh is compared, so that a changed mesh is never mistaken for the old one.
+class PreparedMeshCache {
+public:
+    /// The prepared form of `mesh`. Its parametrization is `sphere_positions` when these are valid
+    /// for it, else one of its own: which one never depends on earlier calls.
+    /// Throws InvalidInput when a vertex index is out of range.
+    PreparedMesh&
+    prepare(TriangleMesh mesh, std::optional<std::vector<Vec3>> sphere_positions, int thread_count);
+
+    /// True when the last `prepare` took the positions that it was given.
+    bool uses_given_positions() const { return given_positions_.has_value(); }
+
+private:
+    std::unique_ptr<PreparedMesh> prepared_;
+    /// The positions that prepared_ took over; empty when its parametrization is its own.
+    std::optional<std::vector<Vec3>> given_positions_;
+};
+
+} // namespace spheroseg

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "results.h"
+
+// Declares Eigen::VectorXd to QVariant.
+#include <common/plugins/interfaces/filter_plugin.h>
+
+#include <sstream>
+
+namespace spheroseg {
+
+namespace {
+
+template <typename T> QVariant to_vector(const std::vector<T>& values) {
+    Eigen::VectorXd vector(static_cast<Eigen::Index>(values.size()));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        vector[static_cast<Eigen::Index>(i)] = static_cast<double>(values[i]);
+    }
+    return QVariant::fromValue(vector);
+}
+
+Results section_two_results(const Measures& measures) {
+    return {{"boundary_edge_count", measures.boundary_edge_count},
+            {"max_triangle_count_difference", measures.max_triangle_count_difference},
+            {"coefficient_of_variation", measures.coefficient_of_variation},
+            {"bowtie_count", measures.bowtie_count},
+            {"disconnected_submesh_count", measures.disconnected_submesh_count},
+            {"disk_count", measures.disk_count},
+            {"boundary_edge_ratio", measures.boundary_edge_ratio}};
+}
+
+} // namespace
+
+Results segmentation_results(const Segmentation& segmentation) {
+    const Measures& measures = segmentation.measures;
+    Results results = section_two_results(measures);
+    results["submesh_count"] = measures.submesh_count;
+    results["triangle_count"] = measures.triangle_count;
+    results["min_submesh_triangles"] = measures.min_submesh_triangles;
+    results["max_submesh_triangles"] = measures.max_submesh_triangles;
+    results["cohesion_iterations"] = segmentation.cohesion_iterations;
+    results["refinement_iterations"] = segmentation.refinement_iterations;
+    results["parametrization_seconds"] = segmentation.parametrization_seconds;
+    results["cohesion_seconds"] = segmentation.cohesion_seconds;
+    results["refinement_seconds"] = segmentation.refinement_seconds;
+    results["total_seconds"] = segmentation.total_seconds;
+    results["time_limit_hit"] = segmentation.time_limit_hit;
+    results["used_cuda"] = segmentation.used_cuda;
+    results["boundary_edges_by_iteration"] = to_vector(segmentation.boundary_edges_by_iteration);
+    results["seconds_by_iteration"] = to_vector(segmentation.seconds_by_iteration);
+    results["energy_by_iteration"] = to_vector(segmentation.energy_by_iteration);
+    return results;
+}
+
+Results measure_results(const Measures& measures) {
+    Results results = section_two_results(measures);
+    results["submesh_triangles"] = to_vector(measures.submesh_triangles);
+    return results;
+}
+
+Results parametrization_results(const ParametrizationQuality& quality, double seconds) {
+    return {{"flipped_triangle_count", quality.flipped_triangle_count},
+            {"min_triangle_area", quality.min_triangle_area},
+            {"area_distortion_mean", quality.area_distortion_mean},
+            {"area_distortion_max", quality.area_distortion_max},
+            {"seconds", seconds}};
+}
+
+std::string summary(const Measures& measures) {
+    std::ostringstream text;
+    text << measures.triangle_count << " triangles in " << measures.submesh_count
+         << " sub-meshes of " << measures.min_submesh_triangles << " to "
+         << measures.max_submesh_triangles << "; " << measures.boundary_edge_count
+         << " boundary edges, " << measures.bowtie_count << " bowties, "
+         << measures.disconnected_submesh_count << " disconnected sub-meshes";
+    return text.str();
+}
+
+std::string summary(const Segmentation& segmentation) {
+    std::ostringstream text;
+    text.precision(3);
+    text << summary(segmentation.measures) << "; " << segmentation.cohesion_iterations
+         << " cohesion and " << segmentation.refinement_iterations << " refinement iterations, "
+         << segmentation.total_seconds << " s";
+    if (segmentation.time_limit_hit) {
+        text << " (time limit hit)";
+    }
+    return text.str();
+}
+
+std::string shortcomings(const Measures& measures) {
+    std::ostringstream text;
+    const char* separator = "";
+    const auto add = [&](bool present, auto count, const char* what) {
+        if (present) {
+            text << separator << count << what;
+            separator = ", ";
+        }
+    };
+    add(measures.max_triangle_count_difference > 1,
+        measures.max_triangle_count_difference,
+        " triangles between the largest and the smallest sub-mesh");
+    add(measures.disconnected_submesh_count > 0,
+        measures.disconnected_submesh_count,
+        " sub-meshes in more than one piece");
+    add(measures.bowtie_count > 0, measures.bowtie_count, " bowties");
+    return text.str();
+}
+
+} // namespace spheroseg
