@@ -8,6 +8,12 @@
 
 using namespace spheroseg;
 
+// The Python package searches the file for this text, to say what a plugin that can not be loaded
+// was built for.
+extern "C" [[gnu::used]] Q_DECL_EXPORT const char spheroseg_host[] =
+    "SpheroSeg built for MeshLab " meshlab_xstr(MESHLAB_VERSION) " (" meshlab_xstr(
+        MESHLAB_SCALAR) ")";
+
 namespace {
 
 Progress to_progress(vcg::CallBackPos* callback) {

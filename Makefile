@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+.DEFAULT_GOAL := help
+.PHONY: help demo test setup setup-run plugin plugin-gui \
+	test-style test-engine test-sanitize test-plugin test-python
+
+PYTHON := .venv/bin/python
+JOBS ?= $(shell nproc)
+CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp' 'tests/*.h' 'tests/*.cpp')
+export PYTHONPATH := $(CURDIR)/python
+
+help:
+	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
+	@echo "make test        everything that CI runs"
+	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
+	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
+	@echo "make setup       what building and testing need: packages, .venv, headers"
+
+setup:
+	@scripts/setup.sh dev
+
+setup-run:
+	@scripts/setup.sh run
+
+plugin: setup-run
+	cmake --preset plugin
+	cmake --build build/plugin --parallel $(JOBS)
+
+plugin-gui: setup-run
+	cmake --preset gui
+	cmake --build build/gui --parallel $(JOBS)
+
+demo: plugin
+	$(PYTHON) -m spheroseg.demo out/demo
+
+test: test-style test-engine test-sanitize test-plugin test-python
+
+test-style: setup
+	.venv/bin/clang-format --dry-run -Werror $(CPP_FILES)
+	.venv/bin/ruff check
+	.venv/bin/ruff format --check
+
+test-engine: setup
+	cmake --preset engine -DSPHEROSEG_WERROR=ON
+	cmake --build build/engine --parallel $(JOBS)
+	ctest --preset engine
+
+test-sanitize: setup
+	cmake --preset sanitize -DSPHEROSEG_WERROR=ON
+	cmake --build build/sanitize --parallel $(JOBS)
+	ctest --preset sanitize
+
+test-plugin: setup
+	cmake --preset plugin -DSPHEROSEG_WERROR=ON
+	cmake --build build/plugin --parallel $(JOBS)
+
+test-python: test-plugin
+	$(PYTHON) -m pytest

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The demonstration: segments a mesh that ships with PyMeshLab; `python -m spheroseg.demo DIR`."""
+
+import sys
+from pathlib import Path
+
+import pymeshlab
+from rich.console import Console
+from rich.table import Table
+
+import spheroseg
+from spheroseg.render import render_labels, write_png
+
+SUBMESH_COUNT = 200
+
+ROWS = {
+    "triangle_count": "triangles",
+    "submesh_count": "sub-meshes",
+    "min_submesh_triangles": "triangles in the smallest sub-mesh",
+    "max_submesh_triangles": "triangles in the largest sub-mesh",
+    "boundary_edge_count": "boundary edges",
+    "boundary_edge_ratio": "boundary edges over all edges",
+    "disconnected_submesh_count": "disconnected sub-meshes",
+    "bowtie_count": "bowties",
+    "disk_count": "sub-meshes that are disks",
+    "total_seconds": "seconds",
+}
+
+
+def sample_mesh(name: str) -> Path:
+    """Path of a mesh that PyMeshLab brings along."""
+    return Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / name
+
+
+def main(output: Path) -> None:
+    """Writes cow.ply (labels and colours) and cow.png to `output`, and prints the measures."""
+    output.mkdir(parents=True, exist_ok=True)
+    mesh_path, picture_path = output / "cow.ply", output / "cow.png"
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(sample_mesh("cow.obj")))
+    measures = mesh_set.compute_scalar_by_balanced_segmentation_per_face(
+        submesh_count=SUBMESH_COUNT
+    )
+    mesh_set.save_current_mesh(str(mesh_path), save_face_quality=True, save_face_color=True)
+
+    mesh = mesh_set.current_mesh()
+    image = render_labels(
+        mesh.vertex_matrix(),
+        mesh.face_matrix(),
+        mesh.face_scalar_array().astype(int),
+        mesh.face_color_matrix()[:, :3],
+    )
+    write_png(picture_path, image)
+
+    table = Table("measure", "value", title=f"cow.obj in {SUBMESH_COUNT} sub-meshes")
+    table.columns[1].justify = "right"
+    for key, text in ROWS.items():
+        value = measures[key]
+        table.add_row(text, f"{value:.3f}" if isinstance(value, float) else f"{value:,}")
+    console = Console()
+    console.print(table)
+    console.print(f"plugin:  {spheroseg.plugin_path()}", soft_wrap=True)
+    console.print(f"mesh:    {mesh_path.resolve()}", soft_wrap=True)
+    console.print(f"picture: {picture_path.resolve()}", soft_wrap=True)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))

@@ -1,0 +1,100 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs what is missing to build and run (setup.sh run) or also to test (setup.sh dev):
+# system packages by apt, pinned Python packages in .venv, MeshLab's headers in .cache.
+# What is there already is left alone, so that a second run takes a moment.
+set -euo pipefail
+
+readonly root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly level="${1:-dev}"
+readonly venv="$root/.venv"
+
+run_packages=(g++ cmake ninja-build python3 python3-venv git ca-certificates xz-utils
+    qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libglu1-mesa-dev libopengl0)
+dev_packages=(libgtest-dev clang libomp-dev)
+
+say() { echo "setup: $*"; }
+
+case "$level" in
+run) packages=("${run_packages[@]}") ;;
+dev) packages=("${run_packages[@]}" "${dev_packages[@]}") ;;
+*)
+    say "expected run or dev, found '$level'" >&2
+    exit 2
+    ;;
+esac
+
+name_packages_and_stop() {
+    cat >&2 <<END
+setup: $1
+setup: install these, then run again with SPHEROSEG_SKIP_PACKAGES=1:
+    a C++17 compiler with OpenMP, CMake 3.22 or later, Ninja, git, xz,
+    Python 3.11 or later with venv,
+    the development files of Qt 5.15 (Core, Gui, Widgets, Xml, OpenGL), GLEW, GLU and Eigen 3.3,
+    for the tests also GoogleTest and clang with its OpenMP library.
+  On Debian and Ubuntu: ${packages[*]}
+END
+    exit 1
+}
+
+install_packages() {
+    local missing=() package
+    for package in "${packages[@]}"; do
+        dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null |
+            grep -qx installed || missing+=("$package")
+    done
+    [ ${#missing[@]} -eq 0 ] && return
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null ||
+            name_packages_and_stop "packages are missing (${missing[*]}), and there is no sudo"
+        as_root=(sudo)
+    fi
+    say "installing ${missing[*]}"
+    "${as_root[@]}" apt-get -qq update
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get -qq install --yes --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+if [ -z "${SPHEROSEG_SKIP_PACKAGES:-}" ]; then
+    if command -v apt-get >/dev/null && command -v dpkg-query >/dev/null; then
+        install_packages
+    else
+        name_packages_and_stop "this system has no apt"
+    fi
+fi
+
+python="${PYTHON:-python3}"
+if [ ! -x "$venv/bin/python" ]; then
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
+        say "$python is older than 3.11; set PYTHON to a later one" >&2
+        exit 1
+    }
+    say "making .venv"
+    "$python" -m venv "$venv"
+fi
+
+# The stamp lies inside the environment, which several checkouts may share by a symbolic link.
+requirements="$root/requirements/$level.txt"
+stamp="$venv/.spheroseg-$level"
+wanted=$(cat "$root"/requirements/*.txt | sha256sum)
+if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
+    say "installing Python packages (requirements/$level.txt)"
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --requirement "$requirements"
+    echo "$wanted" >"$stamp"
+fi
+if [ ! -L "$venv" ]; then
+    # The package runs from the checkout: no second installation that could grow stale.
+    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+    echo "$root/python" >"$site/spheroseg-checkout.pth"
+    cat >"$venv/bin/spheroseg" <<END
+#!$venv/bin/python
+import sys
+from spheroseg.cli import main
+sys.exit(main())
+END
+    chmod +x "$venv/bin/spheroseg"
+fi
+
+"$root/scripts/fetch_meshlab_headers.sh" >/dev/null
