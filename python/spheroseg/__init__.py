@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Balanced, connected, bowtie-free segmentation of closed genus-0 triangle meshes.
+
+Importing the package loads the SpheroSeg plugin into PyMeshLab and binds its filters as methods of
+`pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays.
+"""
+
+import sys
+from pathlib import Path
+
+from spheroseg._plugin import install_plugin, load_plugin, plugin_path
+from spheroseg.api import (
+    Parametrization,
+    Segmentation,
+    measure,
+    parametrize,
+    segment,
+)
+from spheroseg.errors import InputError, PluginError
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "InputError",
+    "Parametrization",
+    "PluginError",
+    "Segmentation",
+    "install_plugin",
+    "load_plugin",
+    "measure",
+    "parametrize",
+    "plugin_path",
+    "segment",
+]
+
+
+def _is_command_line() -> bool:
+    # "-m" stands there only while Python looks for the module that it was told to run.
+    return Path(sys.argv[0]).name in ("-m", "spheroseg") if sys.argv else False
+
+
+try:
+    load_plugin()
+except PluginError:
+    # The command line can show its help without a plugin; a command that needs it says so itself.
+    if not _is_command_line():
+        raise

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Finds the MeshLab plugin, loads it into PyMeshLab and binds its filters."""
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pymeshlab
+
+from spheroseg.errors import InputError, PluginError
+
+PLUGIN_FILE = "libfilter_spheroseg.so"
+PLUGIN_VARIABLE = "SPHEROSEG_PLUGIN"
+
+# Written into the plugin by filter_spheroseg.cpp; lets an unloadable plugin say what it is for.
+_HOST_MARKER = re.compile(rb"SpheroSeg built for MeshLab (\S+) \((\w+)\)")
+
+FILTERS = {
+    "compute_scalar_by_balanced_segmentation_per_face": """\
+Balanced Segmentation (SpheroSeg): writes the label 0..k-1 of each face as its quality.
+
+Keyword arguments: submesh_count (int, 200; fewer for meshes under 2,000 faces),
+triangles_per_submesh (int, 0), method (str), effort ('draft', 'standard', 'high'), device ('auto',
+'cpu', 'cuda'), seed (int, 0), thread_count (int, 0: all cores), max_cohesion_iterations,
+max_refinement_iterations (int, 0: until converged), time_limit_seconds (float, 0: none),
+colorize (bool, True). Returns the measures as a dictionary; see docs/measures.md.""",
+    "compute_spherical_parametrization_per_vertex": """\
+Spherical Parametrization (SpheroSeg): writes the vertex attribute 'sphere_position'.
+
+Keyword argument: new_layer (bool, False), also makes a layer with those positions. Returns
+flipped_triangle_count, min_triangle_area, area_distortion_mean, area_distortion_max, seconds.""",
+    "get_segmentation_measures": """\
+Segmentation Measures (SpheroSeg): measures the labels that face quality holds, whoever wrote them.
+
+Returns the measures as a dictionary; see docs/measures.md.""",
+    "generate_submesh_layers": """\
+Split into Sub-mesh Layers (SpheroSeg): one layer per sub-mesh, with the attributes
+'source_vertex' and 'source_face'.""",
+    "generate_submesh_lod": """\
+Sub-mesh Level of Detail (SpheroSeg): simplifies each sub-mesh on its own, its boundary kept.""",
+}
+
+
+def plugin_path() -> Path:
+    """Path of the plugin that this package uses.
+
+    In this order: the file that the environment variable SPHEROSEG_PLUGIN names, the one beside
+    this package, the one in the build folder `build/plugin` of a source checkout. Raises
+    PluginError when there is none.
+    """
+    named = os.environ.get(PLUGIN_VARIABLE)
+    if named:
+        path = Path(named)
+        if not path.is_file():
+            raise PluginError(f"{PLUGIN_VARIABLE} names {named!r}, which is no file")
+        return path.resolve()
+    package = Path(__file__).resolve().parent
+    candidates = [package / PLUGIN_FILE, package.parents[1] / "build" / "plugin" / PLUGIN_FILE]
+    for path in candidates:
+        if path.is_file():
+            return path
+    places = " and ".join(str(path) for path in candidates)
+    raise PluginError(
+        f"The MeshLab plugin is not built: expected it at {places}. Run `make plugin` in the "
+        f"source folder, install the package with `pip install .`, or let {PLUGIN_VARIABLE} name "
+        "the file."
+    )
+
+
+def load_plugin() -> Path:
+    """Loads the plugin into this process's PyMeshLab and makes its filters methods of MeshSet.
+
+    Importing the package calls it; calling it again does nothing. Returns the plugin's path.
+    Raises PluginError when the plugin is missing or does not fit the installed PyMeshLab.
+    """
+    path = plugin_path()
+    if not _loaded_filters():
+        _check_host(path)
+        try:
+            pymeshlab.load_plugin(str(path))
+        except pymeshlab.PyMeshLabException as error:
+            raise PluginError(_load_failure(path, str(error))) from None
+    for name in _loaded_filters():
+        setattr(pymeshlab.MeshSet, name, _bound_filter(name))
+    return path
+
+
+def install_plugin(directory: str | os.PathLike) -> Path:
+    """Copies the plugin into the plugin folder of a MeshLab installation; returns the copy's path.
+
+    The plugin must have been built for that MeshLab: same release, same scalar type (PyMeshLab
+    uses double precision, the desktop application usually single). Raises PluginError when there
+    is no plugin, InputError when `directory` is no folder.
+    """
+    target = Path(directory)
+    if not target.is_dir():
+        raise InputError(f"install_plugin needs a plugin folder of MeshLab; {target} is no folder")
+    return Path(shutil.copy2(plugin_path(), target / PLUGIN_FILE))
+
+
+def _loaded_filters() -> list[str]:
+    present = set(pymeshlab.filter_list())
+    return [name for name in FILTERS if name in present]
+
+
+def _bound_filter(name: str):
+    def filter_method(self, **parameters):
+        # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
+        return self.apply_filter(name, **parameters) or None
+
+    filter_method.__name__ = name
+    filter_method.__qualname__ = f"MeshSet.{name}"
+    filter_method.__doc__ = FILTERS[name]
+    return filter_method
+
+
+def _running_release() -> str:
+    return str(pymeshlab.pmeshlab.__version__)
+
+
+def _built_for(path: Path) -> tuple[str, str] | None:
+    """MeshLab release (such as 2025.07) and scalar type that the plugin was built for."""
+    found = _HOST_MARKER.search(path.read_bytes())
+    if found is None:
+        return None
+    release, scalar = (part.decode() for part in found.groups())
+    return re.match(r"[\d.]+", release)[0], scalar
+
+
+def _meshlab_release(pymeshlab_release: str) -> str:
+    """PyMeshLab 2025.7.post1 -> the MeshLab release 2025.07 inside it."""
+    year, month = re.match(r"(\d+)\.(\d+)", pymeshlab_release).groups()
+    return f"{year}.{int(month):02d}"
+
+
+def _check_host(path: Path) -> None:
+    built_for = _built_for(path)
+    if built_for is None:
+        return
+    release, scalar = built_for
+    running = _meshlab_release(_running_release())
+    if release != running:
+        year, month = release.split(".")[:2]
+        raise PluginError(
+            f"The plugin {path} was built for PyMeshLab {year}.{int(month)} (MeshLab {release}), "
+            f"but PyMeshLab {_running_release()} (MeshLab {running}) is installed. Install "
+            f"pymeshlab {year}.{int(month)}, or build the plugin again for this release."
+        )
+    if scalar != "double":
+        raise PluginError(
+            f"The plugin {path} was built in {scalar} precision, for the MeshLab application; "
+            "PyMeshLab needs one in double precision (`make plugin`)."
+        )
+
+
+def _load_failure(path: Path, reason: str) -> str:
+    return (
+        f"PyMeshLab {_running_release()} can not load the plugin {path}: "
+        + " ".join(reason.split())
+        + " Build it again for this release (`make plugin`)."
+    )

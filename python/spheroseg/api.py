@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Segmentation, parametrization and measures of meshes that are given as arrays."""
+
+import numbers
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pymeshlab
+from numpy.typing import ArrayLike
+
+from spheroseg._plugin import load_plugin
+from spheroseg.arrays import as_faces, as_labels, as_vertices
+from spheroseg.errors import InputError
+
+SEGMENT_FILTER = "compute_scalar_by_balanced_segmentation_per_face"
+PARAMETRIZE_FILTER = "compute_spherical_parametrization_per_vertex"
+MEASURE_FILTER = "get_segmentation_measures"
+SPHERE_ATTRIBUTE = "sphere_position"
+
+METHODS = ("fast", "all_pairs")
+EFFORTS = ("draft", "standard", "high")
+DEVICES = ("auto", "cpu", "cuda")
+
+# Option of `segment`: int, float, or the words that it may be.
+_OPTIONS = {
+    "triangles_per_submesh": int,
+    "method": METHODS,
+    "effort": EFFORTS,
+    "device": DEVICES,
+    "seed": int,
+    "thread_count": int,
+    "max_cohesion_iterations": int,
+    "max_refinement_iterations": int,
+    "time_limit_seconds": float,
+}
+_INT_LIMIT = 2**31
+
+
+@dataclass(frozen=True)
+class Segmentation:
+    """Result of `segment`.
+
+    labels: int32 array of shape (F,), the sub-mesh of each face, in [0, k).
+    measures: everything that the filter returns, by name (docs/measures.md).
+    """
+
+    labels: np.ndarray
+    measures: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Parametrization:
+    """Result of `parametrize`.
+
+    positions: float64 array of shape (V, 3), unit vectors; (0, 0, 1) for vertices of no face.
+    measures: everything that the filter returns, by name (docs/measures.md).
+    """
+
+    positions: np.ndarray
+    measures: dict[str, Any]
+
+
+def segment(
+    vertices: ArrayLike, faces: ArrayLike, submesh_count: int | None = None, **options: Any
+) -> Segmentation:
+    """Cuts a mesh into sub-meshes whose triangle counts differ by at most one.
+
+    vertices: (V, 3) finite numbers. faces: (F, 3) integers in [0, V), counter-clockwise seen from
+    outside; together one closed, oriented, two-manifold surface of genus 0. Vertices that no face
+    names are allowed.
+    submesh_count: k, in [1, F]; by default 200, or fewer for meshes under 2,000 faces.
+    options: triangles_per_submesh (k = ceil(F / value) instead), method, effort, device, seed,
+    thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds; names,
+    meanings and defaults are those of the filter.
+
+    The same seed gives the same labels for any thread_count. The mesh is not changed, and faces
+    keep their order. Raises InputError when the mesh or an option can not be used.
+    """
+    mesh_set = _mesh_set(as_vertices(vertices), faces)
+    if submesh_count is not None:
+        options["submesh_count"] = submesh_count
+    measures = run_filter(mesh_set, SEGMENT_FILTER, **segment_parameters(options), colorize=False)
+    labels = mesh_set.current_mesh().face_scalar_array().astype(np.int32)
+    return Segmentation(labels, measures)
+
+
+def parametrize(vertices: ArrayLike, faces: ArrayLike) -> Parametrization:
+    """Maps a mesh, given as for `segment`, onto the unit sphere without a flipped triangle.
+
+    Raises InputError when the mesh can not be used.
+    """
+    mesh_set = _mesh_set(as_vertices(vertices), faces)
+    measures = run_filter(mesh_set, PARAMETRIZE_FILTER)
+    return Parametrization(sphere_positions(mesh_set), measures)
+
+
+def measure(vertices: ArrayLike, faces: ArrayLike, labels: ArrayLike) -> dict[str, Any]:
+    """Measures a labelling, whoever made it.
+
+    vertices, faces: as for `segment`, but any surface will do. labels: (F,) whole numbers, 0 or
+    more. Returns the measures by name. Raises InputError when an array can not be used.
+    """
+    vertices = as_vertices(vertices)
+    faces = as_faces(faces, len(vertices))
+    return run_filter(
+        labelled_mesh_set(vertices, faces, as_labels(labels, len(faces))), MEASURE_FILTER
+    )
+
+
+def labelled_mesh_set(
+    vertices: np.ndarray, faces: np.ndarray, labels: np.ndarray
+) -> pymeshlab.MeshSet:
+    """A MeshSet with one mesh whose face quality holds the labels."""
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces, f_scalar_array=labels.astype(np.float64)))
+    return mesh_set
+
+
+def sphere_positions(mesh_set: pymeshlab.MeshSet) -> np.ndarray:
+    """The `sphere_position` attribute of the current mesh: (V, 3) unit vectors."""
+    return mesh_set.current_mesh().vertex_custom_point_attribute_matrix(SPHERE_ATTRIBUTE)
+
+
+def run_filter(mesh_set: pymeshlab.MeshSet, name: str, **parameters: Any) -> dict[str, Any]:
+    """Applies a filter of the plugin to the current mesh and returns its measures by name.
+
+    Raises PluginError when the plugin is not there, InputError when the filter refuses.
+    """
+    load_plugin()
+    try:
+        measures = mesh_set.apply_filter(name, **parameters)
+    except pymeshlab.PyMeshLabException as error:
+        raise InputError(_filter_message(str(error))) from None
+    return {
+        key: np.asarray(value).ravel() if isinstance(value, np.ndarray) else value
+        for key, value in sorted(measures.items())
+    }
+
+
+def segment_parameters(options: dict[str, Any]) -> dict[str, Any]:
+    """Checks names and types of options; ranges are the filter's to check."""
+    parameters = {}
+    for name, value in options.items():
+        kind = int if name == "submesh_count" else _OPTIONS.get(name)
+        if kind is None:
+            raise InputError(
+                f"segment has no option {name!r}; it has submesh_count, " + ", ".join(_OPTIONS)
+            )
+        parameters[name] = _checked_option(name, value, kind)
+    return parameters
+
+
+def _checked_option(name: str, value: Any, kind: type | tuple[str, ...]) -> Any:
+    if isinstance(kind, tuple):
+        if value not in kind:
+            raise InputError(f"{name} must be one of {', '.join(kind)}, got {value!r}")
+        return value
+    if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
+        raise InputError(f"{name} must be a number, got {value!r}")
+    if kind is float:
+        if not np.isfinite(value):
+            raise InputError(f"{name} must be finite, got {value!r}")
+        return float(value)
+    if not isinstance(value, numbers.Integral):
+        raise InputError(f"{name} must be a whole number, got {value!r}")
+    if not -_INT_LIMIT <= value < _INT_LIMIT:
+        raise InputError(f"{name} must fit into 32 bits, got {value!r}")
+    return int(value)
+
+
+def _mesh_set(vertices: np.ndarray, faces: ArrayLike) -> pymeshlab.MeshSet:
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(vertices, as_faces(faces, len(vertices))))
+    return mesh_set
+
+
+def _filter_message(message: str) -> str:
+    """What the filter said, without the frame that PyMeshLab puts around it."""
+    return re.sub(
+        r"^.*?Failed to apply filter:[^\n]*\s*(Details:)?", "", message, flags=re.S
+    ).strip()

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks of the arrays that callers hand in; each message quotes what it found."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spheroseg.errors import InputError
+
+
+def as_vertices(vertices: ArrayLike) -> np.ndarray:
+    """A (V, 3) array of finite float64, C-contiguous."""
+    array = _numeric("vertices", vertices, (3,), "(V, 3)").astype(np.float64, order="C")
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        row, column = (int(index) for index in bad[0])
+        raise InputError(
+            f"vertices must be finite; vertex {row} has {'xyz'[column]} = {array[row, column]}"
+        )
+    return array
+
+
+def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:
+    """A (F, 3) array of int32 in [0, vertex_count), C-contiguous."""
+    array = _whole("faces", _numeric("faces", faces, (3,), "(F, 3)"))
+    bad = np.argwhere((array < 0) | (array >= vertex_count))
+    if len(bad):
+        row, column = (int(index) for index in bad[0])
+        raise InputError(
+            f"faces must hold vertex indices in [0, {vertex_count}); face {row} names vertex "
+            f"{array[row, column]}"
+        )
+    return array.astype(np.int32, order="C")
+
+
+def as_labels(labels: ArrayLike, face_count: int) -> np.ndarray:
+    """A (face_count,) array of int32, none negative."""
+    array = _whole("labels", _numeric("labels", labels, (), "(F,)"))
+    if len(array) != face_count:
+        raise InputError(f"labels must have one entry per face: {face_count}, got {len(array)}")
+    bad = np.flatnonzero((array < 0) | (array >= 2**31))
+    if len(bad):
+        raise InputError(
+            f"labels must be whole numbers in [0, 2^31); face {bad[0]} has {array[bad[0]]}"
+        )
+    return array.astype(np.int32)
+
+
+def _numeric(name: str, values: ArrayLike, tail: tuple[int, ...], shape: str) -> np.ndarray:
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name} must be an array of shape {shape}: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{name} must be numbers, got an array of {array.dtype}")
+    if array.ndim != 1 + len(tail) or array.shape[1:] != tail:
+        raise InputError(f"{name} must have the shape {shape}, got {array.shape}")
+    return array
+
+
+def _whole(name: str, array: np.ndarray) -> np.ndarray:
+    if array.dtype.kind != "f":
+        return array
+    bad = np.argwhere(~np.isfinite(array) | (array != np.floor(array)))
+    if len(bad):
+        index = tuple(int(part) for part in bad[0])
+        raise InputError(f"{name} must be whole numbers; the entry at {index} is {array[index]}")
+    return array

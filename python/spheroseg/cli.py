@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line `spheroseg`.
+
+A subcommand is a module with two functions and one line in `COMMANDS`:
+
+    def add_arguments(parser): ...      # fills an argparse.ArgumentParser
+    def run(arguments) -> int: ...      # does the work, returns the exit code
+
+The module's docstring is what `spheroseg COMMAND --help` shows; the module is imported only when
+its command is called, so that heavy imports of one command cost the others nothing.
+
+`run` reports bad input by raising `spheroseg.errors.InputError` (or `OSError` for a file that can
+not be read or written): `main` turns either into one line on stderr and exit code 2. Exit code 1
+is for work that was accepted and failed in part, such as one mesh of a batch.
+"""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from spheroseg.errors import InputError, PluginError
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+
+# Name: (module, one line for `spheroseg --help`).
+COMMANDS = {
+    "segment": ("spheroseg.commands.segment", "cut a mesh into balanced sub-meshes"),
+    "parametrize": ("spheroseg.commands.parametrize", "map a mesh onto the unit sphere"),
+    "measure": ("spheroseg.commands.measure", "measure the labels of a segmented mesh"),
+}
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """Reports bad usage in one line; argparse would print the usage before it."""
+
+    def error(self, message: str) -> None:
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {_one_line(message)} (see {self.prog} --help)\n")
+
+
+class _CommandParser(_OneLineParser):
+    """Imports the module of its command when the command is called."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        if self.get_default("run") is None:
+            module = importlib.import_module(COMMANDS[self.prog.split()[-1]][0])
+            self.description = module.__doc__
+            self.formatter_class = argparse.RawDescriptionHelpFormatter
+            module.add_arguments(self)
+            self.set_defaults(run=module.run)
+        return super().parse_known_args(args, namespace)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    parser = _OneLineParser(
+        prog="spheroseg",
+        description="Cuts closed genus-0 triangle meshes into connected sub-meshes whose triangle "
+        "counts differ by at most one.",
+        epilog="Exit codes: 0 done, 1 a part of a batch failed, 2 bad usage or bad input.",
+    )
+    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    commands = parser.add_subparsers(
+        title="commands", metavar="COMMAND", dest="command", parser_class=_CommandParser
+    )
+    for name, (_, summary) in COMMANDS.items():
+        commands.add_parser(name, help=summary)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs the command line and returns the exit code."""
+    parser = build_parser()
+    arguments = parser.parse_args(argv)
+    if arguments.version:
+        from spheroseg import __version__
+
+        print(f"spheroseg {__version__}")
+        return 0
+    if arguments.command is None:
+        parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
+    try:
+        return arguments.run(arguments)
+    except (InputError, PluginError) as error:
+        return _report(arguments.command, str(error))
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return _report(arguments.command, f"{where}{error.strerror or error}")
+    except KeyboardInterrupt:
+        _report(arguments.command, "interrupted")
+        return EXIT_INTERRUPTED
+
+
+def _report(command: str, message: str) -> int:
+    print(f"spheroseg {command}: {_one_line(message)}", file=sys.stderr)
+    return EXIT_BAD_INPUT
+
+
+def _one_line(message: str) -> str:
+    return " ".join(message.split())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Measures the labels of a mesh: those in its face quality, or those in LABELS.
+
+LABELS hold one whole number per triangle, in the order of the file.
+"""
+
+from spheroseg import api, mesh_files
+from spheroseg.arrays import as_labels
+from spheroseg.commands import shared
+from spheroseg.errors import InputError
+
+
+def add_arguments(parser):
+    parser.add_argument("mesh", metavar="MESH", help="mesh file: ply, obj, off, stl, ...")
+    parser.add_argument("--labels", metavar="LABELS.npy|.txt", help="labels, one per triangle")
+    shared.add_report_arguments(parser)
+
+
+def run(arguments) -> int:
+    shared.check_output(arguments.json, ".json")
+    mesh_set = mesh_files.read_mesh(arguments.mesh)
+    mesh = mesh_set.current_mesh()
+    if arguments.labels:
+        labels = as_labels(mesh_files.read_labels(arguments.labels), mesh.face_number())
+        mesh_set = api.labelled_mesh_set(mesh.vertex_matrix(), mesh.face_matrix(), labels)
+    elif not mesh.has_face_scalar():
+        raise InputError(
+            f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "
+            "with --labels"
+        )
+    measures = shared.run_with_progress(mesh_set, arguments.mesh, "Measuring", api.MEASURE_FILTER)
+    shared.report(arguments, measures)
+    return 0

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the subcommands share: checks of paths, progress, the table of measures, JSON."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pymeshlab
+from rich.console import Console
+from rich.table import Table
+
+from spheroseg import __version__, api
+from spheroseg.errors import InputError
+from spheroseg.progress import filter_progress
+
+_LABEL_SUFFIXES = (".npy", ".txt")
+
+
+def add_report_arguments(parser) -> None:
+    parser.add_argument("--json", metavar="OUT.json", help="write the measures as JSON")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print no table of measures")
+
+
+def check_output(path: str | None, *suffixes: str) -> None:
+    """Refuses a path that could not be written later, before any work is done."""
+    if path is None:
+        return
+    if Path(path).suffix.lower() not in suffixes:
+        raise InputError(f"{path}: the name must end in {' or '.join(suffixes)}")
+    if not Path(path).parent.is_dir():
+        raise InputError(f"{path}: there is no folder {Path(path).parent}")
+    if Path(path).is_dir():
+        raise InputError(f"{path}: is a folder")
+
+
+def check_outputs(arguments) -> None:
+    check_output(arguments.output, ".ply")
+    check_output(getattr(arguments, "labels", None), *_LABEL_SUFFIXES)
+    check_output(arguments.json, ".json")
+
+
+def run_with_progress(
+    mesh_set: pymeshlab.MeshSet, mesh_path: str, title: str, filter_name: str, **parameters: Any
+) -> dict[str, Any]:
+    """Runs a filter of the plugin; its refusals get the mesh's name in front."""
+    try:
+        with filter_progress(mesh_set, title):
+            return api.run_filter(mesh_set, filter_name, **parameters)
+    except InputError as error:
+        raise InputError(f"{mesh_path}: {error}") from None
+
+
+def report(arguments, measures: dict[str, Any]) -> None:
+    """Writes the JSON file that was asked for and prints the table of measures."""
+    if arguments.json:
+        content = {"mesh": arguments.mesh, "version": __version__, **plain(measures)}
+        Path(arguments.json).write_text(json.dumps(content, indent=2) + "\n")
+    if not arguments.quiet:
+        print_measures(measures)
+
+
+def plain(measures: dict[str, Any]) -> dict[str, Any]:
+    """The measures with arrays as lists, for JSON."""
+    return {
+        key: value.tolist() if isinstance(value, np.ndarray) else value
+        for key, value in measures.items()
+    }
+
+
+def print_measures(measures: dict[str, Any]) -> None:
+    """Prints the single values; the series of values per iteration are in the JSON file."""
+    table = Table(show_header=False)
+    table.add_column("measure")
+    table.add_column("value", justify="right")
+    for key, value in measures.items():
+        if not isinstance(value, np.ndarray):
+            table.add_row(key, _shown(value))
+    Console().print(table)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

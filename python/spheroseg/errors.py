@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Exceptions of the package. Each message says what was expected, what was found, what to do."""
+
+
+class InputError(ValueError):
+    """A mesh, an array, a file or an option that can not be used."""
+
+
+class PluginError(ImportError):
+    """The MeshLab plugin is missing or does not fit the installed PyMeshLab."""

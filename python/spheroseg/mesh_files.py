@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads and writes meshes and labels so that face i stays face i."""
+
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+
+from spheroseg.errors import InputError
+
+_HEADER_BYTES = 65536
+
+
+def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
+    """Reads a mesh file through PyMeshLab; triangles and vertices keep the file's order.
+
+    No vertices are merged (except in STL, which has no shared vertices). Raises InputError when
+    the file can not be read, has no triangles, or has faces that PyMeshLab leaves out without a
+    word, because labels would no longer line up with the file.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    mesh_set = pymeshlab.MeshSet()
+    try:
+        mesh_set.load_new_mesh(str(path))
+    except pymeshlab.PyMeshLabException as error:
+        raise InputError(f"{path}: PyMeshLab can not read it: {_reason(str(error))}") from None
+    face_count = mesh_set.current_mesh().face_number()
+    declared = declared_face_count(path)
+    if declared is not None and declared > face_count:
+        raise InputError(
+            f"{path}: {declared - face_count} of its {declared} faces can not be used: each names "
+            "a vertex twice, a vertex that is not there, or a vertex whose coordinates are not "
+            "finite (NaN); repair the file first"
+        )
+    if face_count == 0:
+        raise InputError(f"{path}: has no faces; a triangle mesh is needed")
+    return mesh_set
+
+
+def declared_face_count(path: Path) -> int | None:
+    """Number of faces that a ply, off or obj file claims to have; None for other formats."""
+    suffix = path.suffix.lower()
+    with path.open("rb") as file:
+        if suffix == ".obj":
+            return sum(line.lstrip()[:2] in (b"f ", b"f\t") for line in file)
+        head = file.read(_HEADER_BYTES)
+    if suffix == ".ply":
+        found = re.search(rb"^element\s+face\s+(\d+)", head, re.M)
+    elif suffix == ".off":
+        bare = re.sub(rb"#[^\n]*", b"", head)
+        found = re.match(rb"\s*[A-Z]*OFF\s+\d+\s+(\d+)", bare)
+    else:
+        found = None
+    return int(found[1]) if found else None
+
+
+def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
+    """Writes the current mesh as binary PLY with the attributes that it has."""
+    mesh = mesh_set.current_mesh()
+    try:
+        mesh_set.save_current_mesh(
+            str(path),
+            save_vertex_color=mesh.has_vertex_color(),
+            save_vertex_quality=mesh.has_vertex_scalar(),
+            save_face_color=mesh.has_face_color(),
+            save_face_quality=mesh.has_face_scalar(),
+        )
+    except pymeshlab.PyMeshLabException as error:
+        raise InputError(f"{path}: can not be written: {_reason(str(error))}") from None
+
+
+def save_bare_ply(vertices: np.ndarray, faces: np.ndarray, path: str | os.PathLike) -> None:
+    """Writes vertices and triangles alone as binary PLY, coordinates in double precision."""
+    header = (
+        "ply\nformat binary_little_endian 1.0\n"
+        f"element vertex {len(vertices)}\n"
+        "property double x\nproperty double y\nproperty double z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    triangles = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    triangles["count"] = 3
+    triangles["corners"] = faces
+    body = np.ascontiguousarray(vertices, dtype="<f8").tobytes() + triangles.tobytes()
+    Path(path).write_bytes(header.encode() + body)
+
+
+def read_labels(path: str | os.PathLike) -> np.ndarray:
+    """Labels from a .npy file, or from a .txt file with one number per line."""
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        if path.suffix.lower() == ".npy":
+            return np.load(path, allow_pickle=False)
+        return np.loadtxt(path, dtype=np.float64, ndmin=1)
+    except ValueError as error:
+        raise InputError(f"{path}: is no file of labels: {error}") from None
+
+
+def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:
+    """Labels as int32 .npy, or as .txt with one number per line."""
+    labels = labels.astype(np.int32)
+    path = Path(path)
+    if path.suffix.lower() == ".npy":
+        np.save(path, labels)
+    else:
+        path.write_text("".join(f"{label}\n" for label in labels))
+
+
+def _reason(message: str) -> str:
+    """The last sentence of PyMeshLab's message; the others repeat the file's name."""
+    return message.rsplit("Error details:", 1)[-1].strip().splitlines()[-1]

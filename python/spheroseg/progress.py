@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A progress bar for filters that run inside PyMeshLab.
+
+PyMeshLab has no progress callback for Python; in verbose mode it writes each report of the filter
+to the process's stderr. For the time of a filter that stream is read here and drawn as a bar.
+"""
+
+import contextlib
+import io
+import os
+import re
+import sys
+import threading
+from collections.abc import Iterator
+
+import pymeshlab
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+_REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
+
+
+@contextlib.contextmanager
+def filter_progress(mesh_set: pymeshlab.MeshSet, title: str) -> Iterator[None]:
+    """Draws the progress of the filters that run inside the `with` block.
+
+    Does nothing when stderr is no terminal. Takes over the file descriptor of stderr meanwhile:
+    for programs that own their process, not for libraries.
+    """
+    if not sys.stderr.isatty():
+        yield
+        return
+    terminal = os.dup(2)
+    reader, writer = os.pipe()
+    os.dup2(writer, 2)
+    os.close(writer)
+    mesh_set.set_verbosity(True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with os.fdopen(terminal, "w") as screen, os.fdopen(reader, errors="replace") as reports:
+        console = Console(file=screen, force_terminal=True)
+        with Progress(*columns, console=console, transient=True) as progress:
+            task = progress.add_task(title, total=None)
+            follower = threading.Thread(target=_follow, args=(reports, progress, task, title))
+            follower.start()
+            try:
+                # What PyMeshLab's verbose mode prints about parameters is of no use here.
+                with contextlib.redirect_stdout(io.StringIO()):
+                    yield
+            finally:
+                mesh_set.set_verbosity(False)
+                os.dup2(terminal, 2)  # closes the pipe's last writer, which ends the follower
+                follower.join()
+
+
+def _follow(reports, progress: Progress, task, title: str) -> None:
+    for line in reports:
+        found = _REPORT.search(line)
+        if found:
+            step, percent = found.groups()
+            progress.update(task, total=100, completed=int(percent), description=f"{title}: {step}")
