@@ -7,8 +7,7 @@ import importlib
 from types import ModuleType
 
 import numpy as np
-
-from .dual_graph import DualGraph, build_dual_graph
+from spheroseg.baselines.dual_graph import DualGraph, build_dual_graph
 
 
 def require(package: str) -> ModuleType:

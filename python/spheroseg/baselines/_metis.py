@@ -5,9 +5,8 @@ partitioning irregular graphs", 1998)."""
 from __future__ import annotations
 
 import numpy as np
-
-from ._common import as_labels, checked_graph, require
-from .dual_graph import DualGraph
+from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines.dual_graph import DualGraph
 
 
 def partition(

@@ -8,9 +8,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-
-from ._common import as_labels, checked_graph, require
-from .dual_graph import DualGraph
+from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines.dual_graph import DualGraph
 
 
 def segment(

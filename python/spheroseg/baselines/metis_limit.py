@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from ._common import checked_graph
-from ._metis import partition
-from .dual_graph import DualGraph
+from spheroseg.baselines._common import checked_graph
+from spheroseg.baselines._metis import partition
+from spheroseg.baselines.dual_graph import DualGraph
 
 
 def segment(

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from ._metis import partition
-from .dual_graph import DualGraph
+from spheroseg.baselines._metis import partition
+from spheroseg.baselines.dual_graph import DualGraph
 
 
 def segment(

@@ -7,9 +7,8 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-
-from ._common import as_labels, checked_graph, require
-from .dual_graph import DualGraph
+from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines.dual_graph import DualGraph
 
 SLACK = 0.03
 

@@ -10,9 +10,8 @@ moves, which is too slow in plain Python and of no use to the plugin's engine.
 from __future__ import annotations
 
 import numpy as np
-
-from ._common import checked_graph, require
-from .dual_graph import DualGraph
+from spheroseg.baselines._common import checked_graph, require
+from spheroseg.baselines.dual_graph import DualGraph
 
 require("numba")
 from numba import njit  # noqa: E402 (after the message for a missing package)

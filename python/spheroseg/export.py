@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""GPU-ready files of a labelled mesh: `.npz` arrays per sub-mesh and `.glb` for any viewer."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+from spheroseg import atomic
+from spheroseg.palette import colour_indices, palette
+from spheroseg.submeshes import SubMeshes
+
+FORMATS = (".npz", ".glb")
+
+
+def export(submeshes: SubMeshes, path: Path) -> None:
+    """Writes `path` atomically in the format that its suffix names, `.npz` or `.glb`."""
+    path = Path(path)
+    if path.suffix.lower() == ".npz":
+        atomic.write_bytes(path, npz_bytes(submeshes))
+    elif path.suffix.lower() == ".glb":
+        atomic.write_bytes(path, glb_bytes(submeshes))
+    else:
+        raise ValueError(f"'{path}' must end in one of {', '.join(FORMATS)}")
+
+
+def npz_bytes(submeshes: SubMeshes) -> bytes:
+    """The arrays of `SubMeshes` under their own names, for `numpy.load`."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **submeshes.arrays())
+    return buffer.getvalue()
+
+
+def glb_bytes(submeshes: SubMeshes) -> bytes:
+    """A binary glTF 2.0 file: one mesh with one primitive per sub-mesh, in its colour.
+
+    Primitive i is sub-mesh i; its `extras` name the sub-mesh and its triangle count. An empty
+    sub-mesh has no primitive, as glTF allows no empty accessor. Corners that share a vertex share
+    its normal within a sub-mesh only.
+    """
+    try:
+        import pygltflib as gltf
+    except ImportError as error:
+        raise ImportError(
+            f"'.glb' files need the package 'pygltflib' ({error}); install it with "
+            "'pip install pygltflib' or export '.npz'"
+        ) from error
+    blob = _Blob(gltf)
+    colours = colour_indices(submeshes.count, submeshes.neighbour_starts, submeshes.neighbours)
+    primitives = []
+    for submesh in range(submeshes.count):
+        positions, triangles = submeshes.block(submesh)
+        if len(triangles) == 0:
+            continue
+        indices = np.ascontiguousarray(triangles).reshape(-1)
+        primitives.append(
+            gltf.Primitive(
+                attributes=gltf.Attributes(
+                    POSITION=blob.add_vectors(positions),
+                    NORMAL=blob.add_vectors(vertex_normals(positions, triangles)),
+                ),
+                indices=blob.add_indices(indices),
+                material=int(colours[submesh]),
+                mode=gltf.TRIANGLES,
+                extras={"submesh": submesh, "triangle_count": len(triangles)},
+            )
+        )
+    document = gltf.GLTF2(
+        asset=gltf.Asset(version="2.0", generator="SpheroSeg"),
+        scene=0,
+        scenes=[gltf.Scene(nodes=[0])],
+        nodes=[gltf.Node(mesh=0, name="segmentation")],
+        meshes=[gltf.Mesh(primitives=primitives, name="segmentation")],
+        materials=_materials(gltf, int(colours.max()) + 1),
+        accessors=blob.accessors,
+        bufferViews=blob.views,
+        buffers=[gltf.Buffer(byteLength=len(blob.data))],
+    )
+    document.set_binary_blob(bytes(blob.data))
+    return b"".join(document.save_to_bytes())
+
+
+def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Unit normals weighted by area; (0, 0, 1) where the triangles around a vertex cancel out."""
+    corners = positions.astype(np.float64)[triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros((len(positions), 3))
+    np.add.at(normals, triangles.reshape(-1), np.repeat(cross, 3, axis=0))
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    normals[lengths[:, 0] == 0] = (0, 0, 1)
+    return normals.astype(np.float32)
+
+
+def _materials(gltf, count: int) -> list:
+    linear = (palette(count) / 255.0) ** 2.2
+    return [
+        gltf.Material(
+            name=f"colour {index}",
+            pbrMetallicRoughness=gltf.PbrMetallicRoughness(
+                baseColorFactor=[*map(float, colour), 1.0], metallicFactor=0.0, roughnessFactor=0.8
+            ),
+        )
+        for index, colour in enumerate(linear)
+    ]
+
+
+class _Blob:
+    """The file's binary part: each added array becomes a buffer view with an accessor."""
+
+    def __init__(self, gltf):
+        self.gltf = gltf
+        self.data = bytearray()
+        self.views = []
+        self.accessors = []
+
+    def add_vectors(self, vectors: np.ndarray) -> int:
+        vectors = np.ascontiguousarray(vectors, dtype="<f4")
+        return self._add(
+            vectors.tobytes(),
+            self.gltf.ARRAY_BUFFER,
+            componentType=self.gltf.FLOAT,
+            count=len(vectors),
+            type=self.gltf.VEC3,
+            min=vectors.min(axis=0).tolist(),
+            max=vectors.max(axis=0).tolist(),
+        )
+
+    def add_indices(self, indices: np.ndarray) -> int:
+        short = indices.dtype == np.uint16
+        return self._add(
+            indices.astype("<u2" if short else "<u4").tobytes(),
+            self.gltf.ELEMENT_ARRAY_BUFFER,
+            componentType=self.gltf.UNSIGNED_SHORT if short else self.gltf.UNSIGNED_INT,
+            count=len(indices),
+            type=self.gltf.SCALAR,
+        )
+
+    def _add(self, raw: bytes, target: int, **accessor) -> int:
+        self.views.append(
+            self.gltf.BufferView(
+                buffer=0, byteOffset=len(self.data), byteLength=len(raw), target=target
+            )
+        )
+        self.data += raw
+        self.data += bytes(-len(self.data) % 4)
+        self.accessors.append(self.gltf.Accessor(bufferView=len(self.views) - 1, **accessor))
+        return len(self.accessors) - 1

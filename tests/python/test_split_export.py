@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import errno
+import json
+import os
+
+import numpy as np
+import pymeshlab
+import pytest
+from shapes import bumpy_sphere, octahedron
+from spheroseg import atomic
+from spheroseg.export import export, glb_bytes, vertex_normals
+from spheroseg.palette import colour_indices, palette
+from spheroseg.ply import colour_properties, ply_bytes
+from spheroseg.split import write_split
+from spheroseg.submeshes import MAX_SHORT_VERTICES, split_into_submeshes
+
+
+def sectors(vertices: np.ndarray, faces: np.ndarray, k: int) -> np.ndarray:
+    """Labels by longitude: k sub-meshes like slices of an orange."""
+    centre = vertices[faces].mean(axis=1)
+    turn = np.arctan2(centre[:, 1], centre[:, 0]) / (2 * np.pi) % 1
+    return np.minimum((turn * k).astype(int), k - 1)
+
+
+@pytest.fixture
+def labelled():
+    vertices, faces = bumpy_sphere(3, 5)
+    return vertices, faces, sectors(vertices, faces, 7)
+
+
+def test_octahedron_halves_by_hand():
+    vertices, faces = octahedron()
+    submeshes = split_into_submeshes(vertices, faces, [0, 0, 0, 0, 1, 1, 1, 1])
+    assert submeshes.vertex_starts.tolist() == [0, 5, 10]
+    assert submeshes.source_vertices.tolist() == [0, 1, 2, 3, 4, 0, 1, 2, 3, 5]
+    assert submeshes.on_boundary.tolist() == [True] * 4 + [False] + [True] * 4 + [False]
+    assert submeshes.triangle_starts.tolist() == [0, 4, 8]
+    assert submeshes.triangles[4:].tolist() == [[2, 0, 4], [1, 2, 4], [3, 1, 4], [0, 3, 4]]
+    assert submeshes.neighbours.tolist() == [1, 0]
+    assert submeshes.shared_edges.tolist() == [4, 4]
+
+
+def test_blocks_map_back_to_the_mesh(labelled):
+    vertices, faces, labels = labelled
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    assert sorted(submeshes.source_triangles.tolist()) == list(range(len(faces)))
+    for submesh in range(submeshes.count):
+        positions, triangles = submeshes.block(submesh)
+        first = submeshes.vertex_starts[submesh]
+        source = submeshes.source_triangles[slice(*submeshes.triangle_starts[submesh:][:2])]
+        assert set(labels[source]) == {submesh}
+        assert np.array_equal(
+            submeshes.source_vertices[first + triangles.astype(int)], faces[source]
+        )
+        assert np.array_equal(positions[triangles], vertices[faces[source]].astype(np.float32))
+
+
+def test_adjacency_counts_boundary_edges_of_both_sides(labelled):
+    vertices, faces, labels = labelled
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    edges = {}
+    for face, corners in enumerate(faces.tolist()):
+        for i in range(3):
+            edges.setdefault(frozenset((corners[i], corners[i - 1])), []).append(face)
+    expected = np.zeros((7, 7), dtype=int)
+    for one, other in edges.values():
+        if labels[one] != labels[other]:
+            expected[labels[one], labels[other]] += 1
+            expected[labels[other], labels[one]] += 1
+    found = np.zeros((7, 7), dtype=int)
+    owner = np.repeat(np.arange(7), np.diff(submeshes.neighbour_starts))
+    found[owner, submeshes.neighbours] = submeshes.shared_edges
+    assert found.tolist() == expected.tolist()
+
+
+def test_empty_submesh_has_an_empty_block():
+    vertices, faces = octahedron()
+    submeshes = split_into_submeshes(vertices, faces, [0] * 4 + [2] * 4, submesh_count=4)
+    assert np.diff(submeshes.triangle_starts).tolist() == [4, 0, 4, 0]
+    assert np.diff(submeshes.vertex_starts).tolist() == [5, 0, 5, 0]
+
+
+@pytest.mark.parametrize("vertex_count", [MAX_SHORT_VERTICES, MAX_SHORT_VERTICES + 1])
+def test_indices_are_short_where_they_fit(vertex_count):
+    # A fan around vertex 0.
+    rim = np.arange(1, vertex_count - 1)
+    faces = np.column_stack((np.zeros_like(rim), rim, rim + 1))
+    submeshes = split_into_submeshes(np.zeros((vertex_count, 3)), faces, np.zeros(len(faces)))
+    assert submeshes.triangles.dtype == (
+        np.uint16 if vertex_count <= MAX_SHORT_VERTICES else np.uint32
+    )
+    assert submeshes.triangles.max() == vertex_count - 1
+
+
+@pytest.mark.parametrize(
+    ("labels", "message"),
+    [
+        ([0] * 7, r"8 in all, but the labels have the shape \(7,\)"),
+        ([0, 0, 0, -1, 0, 0, 0, 0], "triangle 3 has -1"),
+        ([0, 0.5, 0, 0, 0, 0, 0, 0], "triangle 1 has 0.5"),
+        ([0, 0, np.nan, 0, 0, 0, 0, 0], "triangle 2 has nan"),
+    ],
+)
+def test_wrong_labels_are_named(labels, message):
+    with pytest.raises(ValueError, match=message):
+        split_into_submeshes(*octahedron(), labels)
+
+
+def test_label_beyond_the_given_count_is_named():
+    with pytest.raises(ValueError, match="from 0 below 2, but triangle 7 has 2"):
+        split_into_submeshes(*octahedron(), [0] * 7 + [2], submesh_count=2)
+
+
+def test_npz_holds_the_documented_arrays(labelled, tmp_path):
+    submeshes = split_into_submeshes(*labelled)
+    export(submeshes, tmp_path / "out.npz")
+    with np.load(tmp_path / "out.npz") as stored:
+        assert set(stored.files) == set(submeshes.arrays())
+        for name, array in submeshes.arrays().items():
+            assert stored[name].dtype == array.dtype
+            assert np.array_equal(stored[name], array)
+
+
+def test_glb_is_read_by_trimesh_with_one_primitive_per_submesh(labelled, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("pygltflib")
+    vertices, faces, labels = labelled
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    export(submeshes, tmp_path / "out.glb")
+    scene = trimesh.load_scene(tmp_path / "out.glb")
+    assert len(scene.geometry) == 7
+    counts = [len(mesh.faces) for mesh in scene.geometry.values()]
+    assert counts == np.bincount(labels).tolist()
+    area = np.linalg.norm(
+        np.cross(*(vertices[faces[:, i]] - vertices[faces[:, 0]] for i in (1, 2))), axis=1
+    )
+    for label, mesh in enumerate(scene.geometry.values()):
+        assert mesh.area == pytest.approx(area[labels == label].sum() / 2, rel=1e-5)
+
+
+def test_glb_is_drawn_by_vtk_with_all_triangles(labelled, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    pytest.importorskip("pygltflib")
+    export(split_into_submeshes(*labelled), tmp_path / "out.glb")
+    blocks = pyvista.read(tmp_path / "out.glb")
+    assert blocks.combine(merge_points=False).n_cells == len(labelled[1])
+
+
+def test_glb_header_buffers_and_materials_agree(labelled):
+    pytest.importorskip("pygltflib")
+    submeshes = split_into_submeshes(*labelled)
+    data = glb_bytes(submeshes)
+    assert data[:4] == b"glTF"
+    assert int.from_bytes(data[8:12], "little") == len(data)
+    json_length = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + json_length])
+    assert (
+        int.from_bytes(data[20 + json_length :][:4], "little")
+        >= (document["buffers"][0]["byteLength"])
+    )
+    sizes = {5123: 2, 5125: 4, 5126: 4}
+    width = {"SCALAR": 1, "VEC3": 3}
+    for accessor in document["accessors"]:
+        view = document["bufferViews"][accessor["bufferView"]]
+        expected = sizes[accessor["componentType"]] * width[accessor["type"]] * accessor["count"]
+        assert view["byteLength"] == expected
+        assert view["byteOffset"] % 4 == 0
+    primitives = document["meshes"][0]["primitives"]
+    assert [p["extras"]["submesh"] for p in primitives] == list(range(7))
+    for submesh, primitive in enumerate(primitives):
+        around = submeshes.neighbours[slice(*submeshes.neighbour_starts[submesh:][:2])]
+        assert primitive["material"] not in {primitives[other]["material"] for other in around}
+
+
+def test_glb_leaves_out_an_empty_submesh():
+    pytest.importorskip("pygltflib")
+    vertices, faces = octahedron()
+    data = glb_bytes(split_into_submeshes(vertices, faces, [0] * 4 + [2] * 4))
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    assert [p["extras"]["submesh"] for p in document["meshes"][0]["primitives"]] == [0, 2]
+
+
+def test_normals_point_outwards_and_survive_a_degenerate_triangle():
+    vertices, faces = octahedron()
+    assert vertex_normals(vertices, faces) == pytest.approx(vertices)
+    flat = vertex_normals(np.zeros((3, 3)), np.array([[0, 1, 2]]))
+    assert flat.tolist() == [[0, 0, 1]] * 3
+
+
+def test_export_refuses_another_suffix(labelled, tmp_path):
+    with pytest.raises(ValueError, match=r"must end in one of \.npz, \.glb"):
+        export(split_into_submeshes(*labelled), tmp_path / "out.stl")
+
+
+def test_split_files_give_back_the_mesh(labelled, tmp_path):
+    vertices, faces, labels = labelled
+    colours = palette(7)[labels]
+    path = write_split(
+        split_into_submeshes(*labelled), vertices, tmp_path / "parts", "source.ply", colours
+    )
+    manifest = json.loads(path.read_text())
+    assert manifest["source"] == "source.ply"
+    assert manifest["submesh_count"] == 7
+    total = 0
+    for entry in manifest["submeshes"]:
+        meshes = pymeshlab.MeshSet()
+        meshes.load_new_mesh(str(tmp_path / "parts" / entry["file"]))
+        mesh = meshes.current_mesh()
+        assert mesh.face_number() == entry["triangle_count"]
+        assert mesh.vertex_number() == entry["vertex_count"]
+        assert set(mesh.face_scalar_array()) == {float(entry["submesh"])}
+        inside = vertices[faces[labels == entry["submesh"]]]
+        assert np.array_equal(mesh.vertex_matrix()[mesh.face_matrix()], inside)
+        expected = np.column_stack(
+            (colours[labels == entry["submesh"]] / 255.0, np.ones(len(inside)))
+        )
+        assert mesh.face_color_matrix() == pytest.approx(expected)
+        total += mesh.face_number()
+    assert total == len(faces)
+
+
+def test_split_writes_the_source_indices(labelled, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces, labels = labelled
+    write_split(split_into_submeshes(*labelled), vertices, tmp_path, "source.ply")
+    mesh = trimesh.load_mesh(tmp_path / "submesh_0002.ply", process=False)
+    columns = mesh.metadata["_ply_raw"]
+    source_vertex = columns["vertex"]["data"]["source_vertex"]
+    source_face = columns["face"]["data"]["source_face"]
+    assert np.array_equal(vertices[source_vertex], mesh.vertices)
+    assert np.array_equal(source_face, np.flatnonzero(labels == 2))
+    assert np.array_equal(source_vertex[mesh.faces], faces[source_face])
+
+
+def test_split_of_an_empty_submesh_says_null(tmp_path):
+    vertices, faces = octahedron()
+    submeshes = split_into_submeshes(vertices, faces, [0] * 4 + [2] * 4)
+    path = write_split(submeshes, vertices, tmp_path, "octahedron")
+    files = [entry["file"] for entry in json.loads(path.read_text())["submeshes"]]
+    assert files == ["submesh_0000.ply", None, "submesh_0002.ply"]
+    assert sorted(p.name for p in tmp_path.glob("*.ply")) == files[::2]
+
+
+def test_ply_keeps_doubles_that_floats_would_lose():
+    vertices, faces = octahedron()
+    assert b"property float x" in ply_bytes(vertices, faces)
+    assert b"property double x" in ply_bytes(vertices + 1e-12, faces)
+
+
+@pytest.mark.parametrize(
+    ("property_array", "message"),
+    [(np.zeros(8, dtype=np.int64), "type int64"), (np.zeros(7, dtype=np.int32), "8 entries")],
+)
+def test_ply_refuses_a_property_that_does_not_fit(property_array, message):
+    with pytest.raises(ValueError, match=message):
+        ply_bytes(*octahedron(), face_properties={"extra": property_array})
+
+
+def test_palette_has_no_red_and_no_repeats():
+    colours = palette(36)
+    assert len({tuple(c) for c in colours.tolist()}) == 36
+    assert not np.any((colours[:, 0] > 150) & (colours[:, 1] < 90) & (colours[:, 2] < 90))
+    assert colour_properties(colours)["alpha"].tolist() == [255] * 36
+
+
+def test_neighbouring_submeshes_differ_in_colour_on_random_labels():
+    vertices, faces = bumpy_sphere(3, 0)
+    labels = np.random.default_rng(0).integers(0, 30, size=len(faces))
+    submeshes = split_into_submeshes(vertices, faces, labels, submesh_count=30)
+    colours = colour_indices(30, submeshes.neighbour_starts, submeshes.neighbours)
+    owner = np.repeat(np.arange(30), np.diff(submeshes.neighbour_starts))
+    assert np.all(colours[owner] != colours[submeshes.neighbours])
+    assert colours.min() == 0
+
+
+def interrupted_write(target):
+    with atomic.atomic_path(target) as temporary:
+        temporary.write_text("new")
+        raise RuntimeError("halfway")
+
+
+def test_failed_write_leaves_the_old_file_and_no_temporary(tmp_path):
+    target = tmp_path / "result.txt"
+    atomic.write_text(target, "old")
+    with pytest.raises(RuntimeError, match="halfway"):
+        interrupted_write(target)
+    assert target.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["result.txt"]
+
+
+def test_full_disk_is_said_with_the_file(tmp_path):
+    with (
+        pytest.raises(atomic.DiskFullError, match=r"no room left on the disk for .*result\.ply"),
+        atomic.atomic_path(tmp_path / "result.ply"),
+    ):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_leftovers_of_a_killed_run_are_removed(tmp_path):
+    (tmp_path / "deep").mkdir()
+    leftover = tmp_path / "deep" / f".mesh.ply.123{atomic.TEMPORARY_SUFFIX}"
+    leftover.write_text("half")
+    (tmp_path / "mesh.ply").write_text("whole")
+    assert atomic.remove_leftovers(tmp_path) == 1
+    assert not leftover.exists()
+    assert (tmp_path / "mesh.ply").exists()
