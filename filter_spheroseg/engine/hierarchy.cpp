@@ -11,7 +11,7 @@ namespace spheroseg {
 
 namespace {
 
-constexpr int kSerialSize = 2000;
+constexpr int kSerialSize = 4000;
 constexpr int kSelectionPasses = 4;
 /// With more vertices than this, a round of independent collapses leaves at least five: m vertices
 /// span 2 m - 4 faces, each of which holds at most one removed vertex of degree three.

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parametrization.h"
+
+#include "errors.h"
+#include "orientation.h"
+#include "refining_mesh.h"
+#include "ring_energy.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <string>
+
+namespace spheroseg {
+
+namespace {
+
+constexpr double kSphereArea = 12.566370614359172;
+/// Rounds of fewer vertices than this are not worth the threads.
+constexpr int kSerialSize = 1000;
+
+/// How hard a map is tried for. A larger area weight keeps triangles farther from vanishing, and
+/// the map farther from conformal.
+struct Attempt {
+    double area_weight;
+    int sweep_factor;
+};
+constexpr Attempt kAttempts[] = {{0.0005, 1}, {0.02, 2}, {1.0, 4}};
+
+constexpr int kInsertionRetries = 3;
+constexpr int kRetrySweeps = 10;
+constexpr int kInsertionIterations = 2;
+
+/// Sweeps over all vertices after a round; a coarse map is cheap, and what is wrong there stays.
+int sweep_count(int face_count) {
+    return face_count < 4000 ? 6 : face_count < 40000 ? 3 : 2;
+}
+
+/// Re-inserts the vertices of a hierarchy on the sphere.
+class Mapper {
+public:
+    Mapper(const TriangleMesh& mesh, const CollapseHierarchy& hierarchy, int thread_count)
+        : hierarchy_(hierarchy), threads_(thread_count),
+          mesh_(hierarchy, mesh.face_count(), mesh.vertex_count()),
+          positions_(mesh.vertex_count(), Vec3{0.0, 0.0, 1.0}), rings_(thread_count) {}
+
+    /// Returns false when some vertex found no room.
+    bool run(const Attempt& attempt, const Progress& progress);
+    std::vector<Vec3>& positions() { return positions_; }
+
+private:
+    void place_base();
+    bool insert_round(int round);
+    bool insert_vertex(int step, VertexRing& ring);
+    void move_vertex(int v, VertexRing& ring);
+    void sweep(int count);
+
+    const CollapseHierarchy& hierarchy_;
+    int threads_;
+    RefiningMesh mesh_;
+    std::vector<Vec3> positions_;
+    std::vector<VertexRing> rings_;
+    std::vector<int> base_vertices_;
+    DistortionWeights weights_;
+};
+
+/// The base faces as a regular tetrahedron.
+void Mapper::place_base() {
+    const double s = std::sqrt(1.0 / 3.0);
+    const Triangle& t = hierarchy_.base_triangles[0];
+    positions_[t[0]] = {s, s, s};
+    positions_[t[1]] = {s, -s, -s};
+    positions_[t[2]] = {-s, s, -s};
+    base_vertices_.assign(t.begin(), t.end());
+    for (int v : hierarchy_.base_triangles[1]) {
+        if (std::find(t.begin(), t.end(), v) == t.end()) {
+            positions_[v] = {-s, -s, s};
+            base_vertices_.push_back(v);
+        }
+    }
+}
+
+bool Mapper::insert_vertex(int step, VertexRing& ring) {
+    ring.clear();
+    for (int j = hierarchy_.star_begin[step]; j < hierarchy_.star_begin[step + 1]; ++j) {
+        ring.add(positions_[hierarchy_.ring_vertices[j]]);
+    }
+    Vec3& v = positions_[hierarchy_.vertex[step]];
+    if (!ring.find_start(v)) {
+        return false;
+    }
+    ring.minimize(v, weights_, kInsertionIterations);
+    return true;
+}
+
+/// The stars of a round share no face, and no vertex of the round lies in another's ring.
+bool Mapper::insert_round(int round) {
+    const int begin = hierarchy_.round_begin[round];
+    const int end = hierarchy_.round_begin[round + 1];
+    bool complete = true;
+#pragma omp parallel for num_threads(threads_) if (end - begin > kSerialSize)                      \
+    reduction(&& : complete)
+    for (int i = begin; i < end; ++i) {
+        complete = insert_vertex(i, rings_[omp_get_thread_num()]) && complete;
+    }
+    return complete;
+}
+
+void Mapper::move_vertex(int v, VertexRing& ring) {
+    ring.clear();
+    mesh_.for_each_in_star(v, [&](int, int r) { ring.add(positions_[r]); });
+    ring.minimize(positions_[v], weights_, 1);
+}
+
+/// Moves every vertex `count` times. Vertices that were inserted in the same round are never
+/// neighbours, so that a round can be moved in parallel, with one outcome.
+void Mapper::sweep(int count) {
+    weights_.target_area = kSphereArea / mesh_.live_face_count();
+    for (int s = 0; s < count; ++s) {
+        for (int r = mesh_.round(); r < hierarchy_.round_count(); ++r) {
+            const int begin = hierarchy_.round_begin[r];
+            const int end = hierarchy_.round_begin[r + 1];
+#pragma omp parallel for num_threads(threads_) if (end - begin > kSerialSize)
+            for (int i = begin; i < end; ++i) {
+                move_vertex(hierarchy_.vertex[i], rings_[omp_get_thread_num()]);
+            }
+        }
+        for (int v : base_vertices_) {
+            move_vertex(v, rings_[0]);
+        }
+    }
+}
+
+bool Mapper::run(const Attempt& attempt, const Progress& progress) {
+    weights_.area_weight = attempt.area_weight;
+    place_base();
+    const double face_count = static_cast<double>(mesh_.faces().size());
+    while (mesh_.round() > 0) {
+        report_progress(progress, mesh_.live_face_count() / face_count, "Mapping to the sphere");
+        const int next = mesh_.round() - 1;
+        const int next_face_count = mesh_.live_face_count() +
+            2 * (hierarchy_.round_begin[next + 1] - hierarchy_.round_begin[next]);
+        weights_.target_area = kSphereArea / next_face_count;
+        bool complete = insert_round(next);
+        for (int i = 0; i < kInsertionRetries && !complete; ++i) {
+            sweep(kRetrySweeps);
+            complete = insert_round(next);
+        }
+        if (!complete) {
+            return false;
+        }
+        mesh_.undo_round(threads_);
+        sweep(sweep_count(mesh_.live_face_count()) * attempt.sweep_factor);
+    }
+    return true;
+}
+
+/// Four faces without an open side on four vertices: a tetrahedron.
+bool is_tetrahedron(const std::vector<Triangle>& triangles) {
+    std::vector<int> vertices;
+    for (const Triangle& t : triangles) {
+        vertices.insert(vertices.end(), t.begin(), t.end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    for (const Triangle& t : triangles) {
+        for (int c = 0; c < 3; ++c) {
+            const auto is_opposite = [&](const Triangle& other) {
+                return (other[0] == t[(c + 1) % 3] && other[1] == t[c]) ||
+                    (other[1] == t[(c + 1) % 3] && other[2] == t[c]) ||
+                    (other[2] == t[(c + 1) % 3] && other[0] == t[c]);
+            };
+            if (std::none_of(triangles.begin(), triangles.end(), is_opposite)) {
+                return false;
+            }
+        }
+    }
+    return triangles.size() == 4 &&
+        std::unique(vertices.begin(), vertices.end()) - vertices.begin() == 4;
+}
+
+void check_base(const CollapseHierarchy& hierarchy) {
+    if (!is_tetrahedron(hierarchy.base_triangles)) {
+        throw InvalidInput("Expected one closed surface of genus 0, which collapses to a "
+                           "tetrahedron; " +
+                           std::to_string(hierarchy.base_faces.size()) +
+                           " faces are left of it. Close holes, and keep one component without "
+                           "handles.");
+    }
+}
+
+} // namespace
+
+Parametrization parametrize(const TriangleMesh& mesh,
+                            const CollapseHierarchy& hierarchy,
+                            int thread_count,
+                            const Progress& progress) {
+    check_base(hierarchy);
+    const int threads = resolve_thread_count(thread_count);
+    double reported = 0.0;
+    const Progress rising = [&](double fraction, const char* step) {
+        reported = std::max(reported, fraction);
+        return !progress || progress(reported, step);
+    };
+    for (const Attempt& attempt : kAttempts) {
+        Mapper mapper(mesh, hierarchy, threads);
+        if (mapper.run(attempt, rising) && is_valid_parametrization(mesh, mapper.positions())) {
+            return {std::move(mapper.positions())};
+        }
+    }
+    throw InvalidInput("Expected a mesh that fits on the sphere in double precision; its " +
+                       std::to_string(mesh.face_count()) +
+                       " faces need triangles too thin for it. Simplify or remesh the mesh.");
+}
+
+} // namespace spheroseg

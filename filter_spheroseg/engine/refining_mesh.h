@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "hierarchy.h"
+
+namespace spheroseg {
+
+/// The mesh that a hierarchy leads back to, from its base faces up, with adjacency at every level.
+/// Faces and vertices have their input indices; those that are not there yet have -1 entries.
+class RefiningMesh {
+public:
+    struct Face {
+        Triangle vertices;
+        /// As in DualGraph.
+        std::array<int, 3> neighbors;
+    };
+
+    /// Starts with the base faces. `hierarchy` must outlive this object.
+    explicit RefiningMesh(const CollapseHierarchy& hierarchy, int face_count, int vertex_count);
+
+    /// Undoes the last round that is not undone. The result does not depend on `thread_count`.
+    void undo_round(int thread_count);
+
+    /// Rounds that are still to be undone.
+    int round() const { return round_; }
+    int live_face_count() const { return live_face_count_; }
+    const std::vector<Face>& faces() const { return faces_; }
+
+    /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) around `v`,
+    /// counter-clockwise. The fan of `v` must be closed.
+    template <class Visit> void for_each_in_star(int v, Visit&& visit) const {
+        const int first = vertex_faces_[v];
+        int f = first;
+        do {
+            const int c = corner_of(f, v);
+            visit(f, faces_[f].vertices[(c + 1) % 3]);
+            f = faces_[f].neighbors[(c + 2) % 3];
+        } while (f != first);
+    }
+
+private:
+    /// The faces that the two returning faces of a step come to lie beside, and the sides of those
+    /// that must be turned to them (-1: none, since the face beyond returns too).
+    struct Seam {
+        std::array<int, 2> beyond;
+        std::array<int, 2> side;
+    };
+
+    int corner_of(int face, int vertex) const {
+        const Triangle& t = faces_[face].vertices;
+        return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+    }
+    int star_size(int step) const {
+        return hierarchy_.star_begin[step + 1] - hierarchy_.star_begin[step];
+    }
+    const int* star_faces(int step) const {
+        return &hierarchy_.star_faces[hierarchy_.star_begin[step]];
+    }
+    std::array<int, 2> seam_sides(int step) const;
+    Seam find_seam(int step) const;
+    void undo_step(int step, const Seam& seam);
+
+    const CollapseHierarchy& hierarchy_;
+    std::vector<Face> faces_;
+    std::vector<int> vertex_faces_;
+    /// Step of the running round that a face will give a neighbour to, or -1.
+    std::vector<int> step_of_face_;
+    std::vector<Seam> seams_;
+    int round_;
+    int live_face_count_;
+};
+
+} // namespace spheroseg
