@@ -8,7 +8,7 @@ Importing the package loads the SpheroSeg plugin into PyMeshLab and binds its fi
 import sys
 from pathlib import Path
 
-from spheroseg._plugin import install_plugin, load_plugin, plugin_path
+from spheroseg._plugin import load_plugin, plugin_path
 from spheroseg.api import (
     Parametrization,
     Segmentation,
@@ -17,6 +17,7 @@ from spheroseg.api import (
     segment,
 )
 from spheroseg.errors import InputError, PluginError
+from spheroseg.install import install_plugin
 
 __version__ = "0.1.0"
 

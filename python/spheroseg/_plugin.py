@@ -3,12 +3,11 @@
 
 import os
 import re
-import shutil
 from pathlib import Path
 
 import pymeshlab
 
-from spheroseg.errors import InputError, PluginError
+from spheroseg.errors import PluginError
 
 PLUGIN_FILE = "libfilter_spheroseg.so"
 PLUGIN_VARIABLE = "SPHEROSEG_PLUGIN"
@@ -84,19 +83,6 @@ def load_plugin() -> Path:
     for name in _loaded_filters():
         setattr(pymeshlab.MeshSet, name, _bound_filter(name))
     return path
-
-
-def install_plugin(directory: str | os.PathLike) -> Path:
-    """Copies the plugin into the plugin folder of a MeshLab installation; returns the copy's path.
-
-    The plugin must have been built for that MeshLab: same release, same scalar type (PyMeshLab
-    uses double precision, the desktop application usually single). Raises PluginError when there
-    is no plugin, InputError when `directory` is no folder.
-    """
-    target = Path(directory)
-    if not target.is_dir():
-        raise InputError(f"install_plugin needs a plugin folder of MeshLab; {target} is no folder")
-    return Path(shutil.copy2(plugin_path(), target / PLUGIN_FILE))
 
 
 def _loaded_filters() -> list[str]:

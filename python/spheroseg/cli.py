@@ -29,6 +29,10 @@ COMMANDS = {
     "segment": ("spheroseg.commands.segment", "cut a mesh into balanced sub-meshes"),
     "parametrize": ("spheroseg.commands.parametrize", "map a mesh onto the unit sphere"),
     "measure": ("spheroseg.commands.measure", "measure the labels of a segmented mesh"),
+    "install-plugin": (
+        "spheroseg.commands.install_plugin",
+        "add the plugin to the MeshLab application",
+    ),
 }
 
 
