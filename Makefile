@@ -50,8 +50,9 @@ test-sanitize: setup
 	ctest --preset sanitize
 
 test-plugin: setup
-	cmake --preset plugin -DSPHEROSEG_WERROR=ON
+	cmake --preset plugin -DSPHEROSEG_WERROR=ON -DSPHEROSEG_BUILD_ADAPTER_TESTS=ON
 	cmake --build build/plugin --parallel $(JOBS)
+	ctest --preset plugin
 
 test-python: test-plugin
 	$(PYTHON) -m pytest

@@ -1,4 +1,11 @@
-# Sets MESHLAB_SOURCE_DIR, MESHLAB_VERSION and SPHEROSEG_MESHLAB_COMMON, or stops.
+# Finds the host that the plugin is built for, or stops; defines the target meshlab_host.
+
+set(SPHEROSEG_SCALAR double CACHE STRING
+    "Scalar type of the host: double for PyMeshLab, float for the MeshLab application")
+set_property(CACHE SPHEROSEG_SCALAR PROPERTY STRINGS double float)
+set(MESHLAB_SOURCE_DIR "" CACHE PATH "MeshLab's sources with the vcglib submodule")
+set(SPHEROSEG_MESHLAB_COMMON "" CACHE FILEPATH
+    "libmeshlab-common.so of the host; found in PyMeshLab's wheel when the scalar type is double")
 
 if(NOT SPHEROSEG_SCALAR MATCHES "^(double|float)$")
     message(FATAL_ERROR "SPHEROSEG_SCALAR must be double or float, found '${SPHEROSEG_SCALAR}'.")
@@ -39,3 +46,23 @@ print(u.find_spec('pymeshlab').submodule_search_locations[0], end='')"
     set(SPHEROSEG_MESHLAB_COMMON ${pymeshlab_dir}/lib/libmeshlab-common.so)
 endif()
 message(STATUS "MeshLab ${MESHLAB_VERSION}, host library: ${SPHEROSEG_MESHLAB_COMMON}")
+
+find_package(Qt5 REQUIRED COMPONENTS Core Gui Widgets Xml OpenGL)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_path(GLEW_INCLUDE_DIR GL/glew.h REQUIRED)
+
+# What every source that sees MeshLab's headers is compiled with.
+add_library(meshlab_host INTERFACE)
+target_compile_features(meshlab_host INTERFACE cxx_std_17)
+target_compile_definitions(meshlab_host INTERFACE
+    MESHLAB_VERSION=${MESHLAB_VERSION}
+    MESHLAB_SCALAR=${SPHEROSEG_SCALAR}
+    QT_PLUGIN)
+target_include_directories(meshlab_host SYSTEM INTERFACE
+    ${MESHLAB_SOURCE_DIR}/src
+    ${MESHLAB_SOURCE_DIR}/src/common
+    ${MESHLAB_SOURCE_DIR}/src/vcglib
+    ${GLEW_INCLUDE_DIR})
+target_link_libraries(meshlab_host INTERFACE
+    Eigen3::Eigen Qt5::Core Qt5::Gui Qt5::Widgets Qt5::Xml Qt5::OpenGL
+    ${SPHEROSEG_MESHLAB_COMMON})

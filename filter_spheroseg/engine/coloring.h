@@ -7,7 +7,7 @@ namespace spheroseg {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// Eight colours, chosen so that any two of them are at least 30 apart in CIELAB, as seen by people
+/// Eight colours, chosen so that any two of them are at least 20 apart in CIELAB, as seen by people
 /// with normal sight, protanopia, deuteranopia and tritanopia.
 extern const std::array<Rgb, 8> kPalette;
 

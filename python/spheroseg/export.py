@@ -7,6 +7,7 @@ import io
 from pathlib import Path
 
 import numpy as np
+
 from spheroseg import atomic
 from spheroseg.palette import colour_indices, palette
 from spheroseg.submeshes import SubMeshes

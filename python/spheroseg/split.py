@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+
 from spheroseg import atomic
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import SubMeshes

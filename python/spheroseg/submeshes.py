@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
+
 from spheroseg.baselines.dual_graph import build_dual_graph
 
 # The largest 16-bit value restarts primitives on some devices, so no vertex may have it as index.

@@ -91,7 +91,7 @@ TEST(Palette, AnyTwoColorsAreFarApartForEverySight) {
             for (std::size_t j = i + 1; j < kPalette.size(); ++j) {
                 const auto a = to_lab(kPalette[i], sight);
                 const auto b = to_lab(kPalette[j], sight);
-                EXPECT_GT(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 30.0)
+                EXPECT_GT(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 20.0)
                     << "colours " << i << " and " << j;
             }
         }

@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 from shapes import bumpy_sphere, octahedron, subdivided_sphere
+
 from spheroseg import baselines
 from spheroseg.baselines import build_dual_graph, load
 from spheroseg.baselines.metis_limit import ufactor_for_limit

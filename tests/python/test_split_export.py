@@ -9,6 +9,7 @@ import numpy as np
 import pymeshlab
 import pytest
 from shapes import bumpy_sphere, octahedron
+
 from spheroseg import atomic
 from spheroseg.export import export, glb_bytes, vertex_normals
 from spheroseg.palette import colour_indices, palette

@@ -7,6 +7,7 @@ import importlib
 from types import ModuleType
 
 import numpy as np
+
 from spheroseg.baselines.dual_graph import DualGraph, build_dual_graph
 
 

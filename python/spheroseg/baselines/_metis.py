@@ -5,6 +5,7 @@ partitioning irregular graphs", 1998)."""
 from __future__ import annotations
 
 import numpy as np
+
 from spheroseg.baselines._common import as_labels, checked_graph, require
 from spheroseg.baselines.dual_graph import DualGraph
 

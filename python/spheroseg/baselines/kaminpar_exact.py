@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 from spheroseg.baselines._common import as_labels, checked_graph, require
 from spheroseg.baselines.dual_graph import DualGraph
 

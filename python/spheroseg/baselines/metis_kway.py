@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from spheroseg.baselines._metis import partition
 from spheroseg.baselines.dual_graph import DualGraph
 

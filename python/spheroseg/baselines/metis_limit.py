@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from spheroseg.baselines._common import checked_graph
 from spheroseg.baselines._metis import partition
 from spheroseg.baselines.dual_graph import DualGraph

@@ -7,6 +7,7 @@ from __future__ import annotations
 import functools
 
 import numpy as np
+
 from spheroseg.baselines._common import as_labels, checked_graph, require
 from spheroseg.baselines.dual_graph import DualGraph
 

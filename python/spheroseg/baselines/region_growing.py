@@ -10,6 +10,7 @@ moves, which is too slow in plain Python and of no use to the plugin's engine.
 from __future__ import annotations
 
 import numpy as np
+
 from spheroseg.baselines._common import checked_graph, require
 from spheroseg.baselines.dual_graph import DualGraph
 

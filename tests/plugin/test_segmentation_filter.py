@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import math
+
+import numpy as np
+import pymeshlab
+import pytest
+from host_meshes import (
+    MEASURES,
+    PARAMETRIZATION,
+    SEGMENTATION,
+    document,
+    edge_pairs,
+    ellipsoid,
+    labels_of,
+    state,
+)
+from shapes import subdivided_sphere
+
+MEASURE_KEYS = {
+    "boundary_edge_count",
+    "max_triangle_count_difference",
+    "coefficient_of_variation",
+    "bowtie_count",
+    "disconnected_submesh_count",
+    "disk_count",
+    "boundary_edge_ratio",
+}
+SEGMENTATION_KEYS = MEASURE_KEYS | {
+    "submesh_count",
+    "triangle_count",
+    "min_submesh_triangles",
+    "max_submesh_triangles",
+    "cohesion_iterations",
+    "refinement_iterations",
+    "parametrization_seconds",
+    "cohesion_seconds",
+    "refinement_seconds",
+    "total_seconds",
+    "time_limit_hit",
+    "used_cuda",
+    "boundary_edges_by_iteration",
+    "seconds_by_iteration",
+    "energy_by_iteration",
+}
+ITERATION_KEYS = ["boundary_edges_by_iteration", "seconds_by_iteration", "energy_by_iteration"]
+
+
+def test_filters_are_methods_of_mesh_set():
+    for name in (SEGMENTATION, PARAMETRIZATION, MEASURES):
+        assert name in pymeshlab.filter_list()
+        assert callable(getattr(pymeshlab.MeshSet, name))
+
+
+def test_parameters_have_their_documented_defaults(sample):
+    parameters = sample("cow.obj").filter_parameter_values(SEGMENTATION)
+    method = parameters.pop("method")
+    assert method in (0, 1)
+    assert parameters == {
+        "submesh_count": 200,
+        "triangles_per_submesh": 0,
+        "effort": 1,
+        "device": 0,
+        "seed": 0,
+        "thread_count": 0,
+        "max_cohesion_iterations": 0,
+        "max_refinement_iterations": 0,
+        "time_limit_seconds": 0.0,
+        "colorize": True,
+    }
+
+
+def test_small_mesh_gets_fewer_submeshes_by_default():
+    default = ellipsoid(2).filter_parameter_values(SEGMENTATION)["submesh_count"]
+    assert 1 <= default < 128
+
+
+def test_returns_the_documented_keys_and_types(sample):
+    result = sample("bone.ply").apply_filter(SEGMENTATION, submesh_count=50)
+    assert set(result) == SEGMENTATION_KEYS
+    iterations = result["cohesion_iterations"] + result["refinement_iterations"]
+    assert iterations > 0
+    for key in ITERATION_KEYS:
+        assert result[key].shape == (iterations,)
+    for key in ("time_limit_hit", "used_cuda"):
+        assert isinstance(result[key], bool)
+    for key in ("submesh_count", "boundary_edge_count", "cohesion_iterations"):
+        assert isinstance(result[key], int)
+
+
+@pytest.mark.parametrize("submesh_count", [1, 2, 7, 60])
+def test_labels_in_face_quality_are_balanced(submesh_count):
+    mesh_set = ellipsoid()
+    result = mesh_set.apply_filter(SEGMENTATION, submesh_count=submesh_count)
+    quality = mesh_set.current_mesh().face_scalar_array()
+    assert (quality == quality.astype(int)).all()
+    counts = np.bincount(quality.astype(int), minlength=submesh_count)
+    assert len(counts) == submesh_count
+    assert set(counts) <= {512 // submesh_count, -(-512 // submesh_count)}
+    assert result["submesh_count"] == submesh_count
+    assert result["triangle_count"] == 512
+    assert result["min_submesh_triangles"] == counts.min()
+    assert result["max_submesh_triangles"] == counts.max()
+
+
+def test_triangles_per_submesh_sets_the_count():
+    result = ellipsoid().apply_filter(SEGMENTATION, submesh_count=3, triangles_per_submesh=100)
+    assert result["submesh_count"] == math.ceil(512 / 100)
+
+
+def test_returned_measures_are_those_of_the_labels(sample):
+    mesh_set = sample("bone.ply")
+    result = mesh_set.apply_filter(SEGMENTATION, submesh_count=40)
+    measures = mesh_set.apply_filter(MEASURES)
+    assert {key: result[key] for key in MEASURE_KEYS} == {k: measures[k] for k in MEASURE_KEYS}
+    labels = labels_of(mesh_set)
+    pairs = edge_pairs(mesh_set.current_mesh().face_matrix())
+    assert result["boundary_edge_count"] == (labels[pairs[:, 0]] != labels[pairs[:, 1]]).sum()
+    counts = np.bincount(labels)
+    assert result["max_triangle_count_difference"] == np.ptp(counts)
+    assert result["coefficient_of_variation"] == pytest.approx(counts.std() / counts.mean())
+
+
+def test_neighboring_submeshes_have_different_colors(sample):
+    mesh_set = sample("bone.ply")
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=100)
+    colors = np.rint(255 * mesh_set.current_mesh().face_color_matrix()).astype(int)
+    labels = labels_of(mesh_set)
+    for label in range(100):
+        assert len(np.unique(colors[labels == label], axis=0)) == 1
+    pairs = edge_pairs(mesh_set.current_mesh().face_matrix())
+    pairs = pairs[labels[pairs[:, 0]] != labels[pairs[:, 1]]]
+    difference = np.abs(colors[pairs[:, 0]] - colors[pairs[:, 1]])[:, :3]
+    assert (difference.sum(axis=1) > 30).all()
+
+
+def test_without_colorize_the_colors_stay():
+    mesh_set = ellipsoid(2)
+    assert not mesh_set.current_mesh().has_face_color()
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=4, colorize=False)
+    assert not mesh_set.current_mesh().has_face_color()
+
+
+def test_only_quality_and_colors_change():
+    mesh_set = ellipsoid(2)
+    before = state(mesh_set)
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
+    after = state(mesh_set)
+    changed = {key for key in before if before[key] != after[key]}
+    assert changed == {"quality", "colors"}
+
+
+def test_same_seed_gives_same_labels_for_any_thread_count_and_again():
+    mesh_set = ellipsoid()
+    labels = []
+    for thread_count, submesh_count in [(1, 20), (2, 33), (2, 20), (0, 20)]:
+        mesh_set.apply_filter(
+            SEGMENTATION, submesh_count=submesh_count, seed=5, thread_count=thread_count
+        )
+        labels.append(labels_of(mesh_set))
+    np.testing.assert_array_equal(labels[0], labels[2])
+    np.testing.assert_array_equal(labels[0], labels[3])
+    fresh = ellipsoid()
+    fresh.apply_filter(SEGMENTATION, submesh_count=20, seed=5)
+    np.testing.assert_array_equal(labels[0], labels_of(fresh))
+
+
+def test_a_changed_mesh_is_not_taken_for_the_last_one():
+    mesh_set = ellipsoid()
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=10)
+    mesh_set.apply_filter("apply_coord_laplacian_smoothing")
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=10)
+    mesh = mesh_set.current_mesh()
+    fresh = pymeshlab.MeshSet()
+    fresh.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix()))
+    # A mesh in between, so that nothing is left of the other one.
+    ellipsoid(1).apply_filter(SEGMENTATION, submesh_count=2)
+    fresh.apply_filter(SEGMENTATION, submesh_count=10)
+    np.testing.assert_array_equal(labels_of(mesh_set), labels_of(fresh))
+
+
+def test_iteration_limits_hold():
+    result = ellipsoid().apply_filter(
+        SEGMENTATION, submesh_count=20, method="all_pairs", max_cohesion_iterations=1
+    )
+    assert result["cohesion_iterations"] == 1
+    assert result["max_triangle_count_difference"] == 1
+
+
+def test_time_limit_is_reported_and_the_result_balanced(sample):
+    result = sample("bone.ply").apply_filter(
+        SEGMENTATION, submesh_count=40, method="all_pairs", time_limit_seconds=1e-9
+    )
+    assert result["time_limit_hit"]
+    assert result["max_triangle_count_difference"] <= 1
+
+
+def test_a_mesh_after_deleting_a_part_of_it_is_as_a_clean_one():
+    (small, small_faces), (large, large_faces) = subdivided_sphere(1), subdivided_sphere(3)
+    large = large * [1.0, 1.5, 2.0]
+    mesh_set = document(
+        np.vstack([small + 10.0, large]), np.vstack([small_faces, large_faces + len(small)])
+    )
+    mesh_set.apply_filter("compute_selection_by_condition_per_face", condselect="x0 > 5")
+    mesh_set.apply_filter("meshing_remove_selected_vertices_and_faces")
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=12)
+    clean = document(large, large_faces)
+    clean.apply_filter(SEGMENTATION, submesh_count=12)
+    np.testing.assert_array_equal(labels_of(mesh_set), labels_of(clean))
+    np.testing.assert_array_equal(
+        mesh_set.current_mesh().face_color_matrix(), clean.current_mesh().face_color_matrix()
+    )
+
+
+@pytest.mark.parametrize("name", ["cow.obj", "bone.ply", "airplane.obj", "bunny.obj"])
+def test_sample_meshes_of_pymeshlab(sample, name):
+    mesh_set = sample(name)
+    result = mesh_set.apply_filter(
+        SEGMENTATION, submesh_count=200, max_cohesion_iterations=2, max_refinement_iterations=1
+    )
+    counts = np.bincount(labels_of(mesh_set), minlength=200)
+    assert len(counts) == 200
+    assert np.ptp(counts) <= 1
+    assert result["max_triangle_count_difference"] == np.ptp(counts)
