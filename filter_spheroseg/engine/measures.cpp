@@ -221,4 +221,14 @@ Measures measure(const TriangleMesh& mesh,
     return result;
 }
 
+int count_boundary_edges(const DualGraph& dual_graph, const std::vector<int>& labels) {
+    int sides = 0;
+    for (int f = 0; f < dual_graph.face_count(); ++f) {
+        for (int g : dual_graph.neighbors[f]) {
+            sides += g >= 0 && labels[g] != labels[f];
+        }
+    }
+    return sides / 2;
+}
+
 } // namespace spheroseg

@@ -36,4 +36,7 @@ Measures measure(const TriangleMesh& mesh,
                  const std::vector<int>& labels,
                  int submesh_count);
 
+/// `boundary_edge_count` alone.
+int count_boundary_edges(const DualGraph& dual_graph, const std::vector<int>& labels);
+
 } // namespace spheroseg

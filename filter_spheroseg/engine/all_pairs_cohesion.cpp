@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "all_pairs_cohesion.h"
+
+#include "chord_swaps.h"
+#include "measures.h"
+#include "random.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace spheroseg {
+
+namespace {
+
+/// Iterations without a new least energy after which cohesion gives up.
+constexpr int kPatience = 32;
+/// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
+constexpr long long kPairsPerReport = 1LL << 26;
+/// A thread with fewer slots than this would mostly wait at the end of each round.
+constexpr int kMinSlotsPerThread = 512;
+/// Length of the random offset that parts coinciding centroids.
+constexpr double kOffsetLength = 1e-3;
+/// Coordinates are summed as multiples of 2^-36: exact whatever the order, up to 2^26 faces.
+constexpr double kFixedPointScale = 0x1.0p36;
+
+Vec3 unit_or_zero(const Vec3& p) {
+    const double norm = length(p);
+    return norm > 0.0 ? p * (1.0 / norm) : Vec3{};
+}
+
+/// Mean centroid of the faces of each sub-mesh, projected onto the sphere (the origin when it has
+/// no direction), in single precision.
+PointArrays submesh_centroids(const ChordSwapState& state, int submesh_count) {
+    std::vector<std::array<std::int64_t, 3>> sums(submesh_count, {0, 0, 0});
+    const auto fixed_point = [](float value) {
+        return static_cast<std::int64_t>(std::llrint(value * kFixedPointScale));
+    };
+    for (int f = 0; f < state.face_count(); ++f) {
+        auto& sum = sums[state.label[f]];
+        sum[0] += fixed_point(state.face.x[f]);
+        sum[1] += fixed_point(state.face.y[f]);
+        sum[2] += fixed_point(state.face.z[f]);
+    }
+    PointArrays centroids;
+    centroids.resize(submesh_count);
+    for (int s = 0; s < submesh_count; ++s) {
+        centroids.set(s,
+                      unit_or_zero({static_cast<double>(sums[s][0]),
+                                    static_cast<double>(sums[s][1]),
+                                    static_cast<double>(sums[s][2])}));
+    }
+    return centroids;
+}
+
+void assign_centroids(ChordSwapState& state, const PointArrays& centroids) {
+    for (int f = 0; f < state.face_count(); ++f) {
+        state.own.copy(f, centroids, state.label[f]);
+    }
+    measure_distances(state);
+}
+
+ChordSwapState make_state(const std::vector<Vec3>& face_centroids, const std::vector<int>& labels) {
+    ChordSwapState state;
+    state.face.resize(face_centroids.size());
+    for (std::size_t f = 0; f < face_centroids.size(); ++f) {
+        state.face.set(static_cast<int>(f), face_centroids[f]);
+    }
+    state.own.resize(face_centroids.size());
+    state.distance.resize(face_centroids.size());
+    state.label = labels;
+    return state;
+}
+
+double energy_of(const ChordSwapState& state) {
+    return std::accumulate(state.distance.begin(), state.distance.end(), 0.0);
+}
+
+/// Shifts the centroids that coincide with another one. False when there are none.
+bool part_coinciding_centroids(PointArrays& centroids, std::uint64_t seed) {
+    std::vector<int> order(centroids.x.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto key = [&](int s) {
+        return std::array{centroids.x[s], centroids.y[s], centroids.z[s]};
+    };
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+    std::vector<int> coinciding;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool as_before = i > 0 && key(order[i]) == key(order[i - 1]);
+        const bool as_after = i + 1 < order.size() && key(order[i]) == key(order[i + 1]);
+        if (as_before || as_after) {
+            coinciding.push_back(order[i]);
+        }
+    }
+    for (int s : coinciding) {
+        Random random(seed, s);
+        const Vec3 direction =
+            unit_or_zero({random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
+        const Vec3 centroid{centroids.x[s], centroids.y[s], centroids.z[s]};
+        centroids.set(s, unit_or_zero(centroid + direction * kOffsetLength));
+    }
+    return !coinciding.empty();
+}
+
+/// Plays the rounds [round_begin, round_end) and returns the number of swaps.
+long long play_rounds(ChordSwapState& state,
+                      const RoundRobin& schedule,
+                      int round_begin,
+                      int round_end,
+                      int threads) {
+    long long swap_count = 0;
+    const long long slots = schedule.slot_count();
+#pragma omp parallel num_threads(threads) reduction(+ : swap_count)
+    {
+        const int team = omp_get_num_threads();
+        const int member = omp_get_thread_num();
+        const int slot_begin = static_cast<int>(slots * member / team);
+        const int slot_end = static_cast<int>(slots * (member + 1) / team);
+        for (int round = round_begin; round < round_end; ++round) {
+            schedule.for_each_run(round, slot_begin, slot_end, [&](const PairRun& run) {
+                swap_count += swap_run(state, run);
+            });
+#pragma omp barrier
+        }
+    }
+    return swap_count;
+}
+
+/// One iteration over all pairs. `complete` becomes false when the time limit cut it short.
+long long play_iteration(ChordSwapState& state,
+                         const SwapLimits& limits,
+                         int iterations_done,
+                         const Progress& progress,
+                         bool& complete) {
+    const RoundRobin schedule(state.face_count());
+    const int threads = std::clamp(
+        schedule.slot_count() / kMinSlotsPerThread, 1, resolve_thread_count(limits.thread_count));
+    const int rounds = schedule.round_count();
+    const int step =
+        static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
+    long long swap_count = 0;
+    for (int begin = 0; begin < rounds; begin += step) {
+        if (limits.expired()) {
+            complete = false;
+            break;
+        }
+        report_progress(progress,
+                        open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
+                        "Cohesion");
+        swap_count += play_rounds(state, schedule, begin, std::min(rounds, begin + step), threads);
+    }
+    return swap_count;
+}
+
+} // namespace
+
+std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::uint64_t seed) {
+    std::vector<int> labels(face_count);
+    for (int f = 0; f < face_count; ++f) {
+        labels[f] = f % submesh_count;
+    }
+    Random random(seed);
+    for (int f = face_count - 1; f > 0; --f) {
+        std::swap(labels[f], labels[random.below(f + 1)]);
+    }
+    return labels;
+}
+
+std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
+                                           const std::vector<Vec3>& sphere_positions) {
+    std::vector<Vec3> centroids;
+    centroids.reserve(mesh.faces.size());
+    for (const Triangle& face : mesh.faces) {
+        centroids.push_back(unit_or_zero(sphere_positions[face[0]] + sphere_positions[face[1]] +
+                                         sphere_positions[face[2]]));
+    }
+    return centroids;
+}
+
+double cohesion_energy(const std::vector<Vec3>& face_centroids,
+                       const std::vector<int>& labels,
+                       int submesh_count) {
+    ChordSwapState state = make_state(face_centroids, labels);
+    assign_centroids(state, submesh_centroids(state, submesh_count));
+    return energy_of(state);
+}
+
+SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
+                                const std::vector<Vec3>& face_centroids,
+                                int submesh_count,
+                                std::uint64_t seed,
+                                const SwapLimits& limits,
+                                std::vector<int>& labels,
+                                const Progress& progress) {
+    SwapIterations history;
+    ChordSwapState state = make_state(face_centroids, labels);
+    assign_centroids(state, submesh_centroids(state, submesh_count));
+    double least_energy = energy_of(state);
+    int least_energy_at = 0;
+    bool offset_used = false;
+    bool converged = submesh_count < 2;
+    while (!converged) {
+        if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
+            break;
+        }
+        const Deadline watch;
+        bool complete = true;
+        const long long swap_count =
+            play_iteration(state, limits, history.count(), progress, complete);
+        PointArrays centroids = submesh_centroids(state, submesh_count);
+        converged = complete && swap_count == 0;
+        if (converged && !offset_used && part_coinciding_centroids(centroids, seed)) {
+            offset_used = true;
+            converged = false;
+        }
+        assign_centroids(state, centroids);
+        history.boundary_edges.push_back(count_boundary_edges(dual_graph, state.label));
+        history.swaps.push_back(static_cast<double>(swap_count));
+        history.energy.push_back(energy_of(state));
+        history.seconds.push_back(watch.elapsed_seconds());
+        if (history.energy.back() < least_energy) {
+            least_energy = history.energy.back();
+            least_energy_at = history.count();
+        }
+        converged = converged || history.count() - least_energy_at >= kPatience;
+        if (!complete) {
+            history.time_limit_hit = true;
+            break;
+        }
+    }
+    labels = state.label;
+    return history;
+}
+
+} // namespace spheroseg

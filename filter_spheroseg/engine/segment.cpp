@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segment.h"
+
+#include "all_pairs_cohesion.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+constexpr int kDefaultSubmeshCount = 200;
+/// Meshes too small for the default get about so many faces per sub-mesh.
+constexpr int kFacesPerDefaultSubmesh = 10;
+
+void refuse_negative(double value, const char* name) {
+    if (!(value >= 0.0)) {
+        throw InvalidOptions(std::string(name) + " must be 0 or more, found " +
+                             std::to_string(value) + ". Use 0 for the default.");
+    }
+}
+
+void append(std::vector<double>& to, const std::vector<double>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
+
+/// Adds the iterations of a step to the result.
+void record(Segmentation& result, const SwapIterations& iterations) {
+    append(result.boundary_edges_by_iteration, iterations.boundary_edges);
+    append(result.seconds_by_iteration, iterations.seconds);
+    append(result.energy_by_iteration, iterations.energy);
+    result.time_limit_hit = result.time_limit_hit || iterations.time_limit_hit;
+}
+
+void segment_all_pairs(PreparedMesh& prepared,
+                       const SegmentOptions& options,
+                       int submesh_count,
+                       const Deadline& deadline,
+                       const Progress& progress,
+                       Segmentation& result) {
+    const Deadline parametrization_watch;
+    const std::vector<Vec3> centroids = face_centroids_on_sphere(
+        prepared.mesh(),
+        prepared.parametrization(options.thread_count, sub_progress(progress, 0.0, 0.1)).positions);
+    result.parametrization_seconds = parametrization_watch.elapsed_seconds();
+
+    SwapLimits limits;
+    limits.thread_count = options.thread_count;
+    limits.deadline = &deadline;
+    limits.max_iterations = options.max_cohesion_iterations;
+    const Deadline cohesion_watch;
+    result.labels =
+        random_balanced_labels(prepared.mesh().face_count(), submesh_count, options.seed);
+    const SwapIterations cohesion = cohere_all_pairs(prepared.dual_graph(),
+                                                     centroids,
+                                                     submesh_count,
+                                                     options.seed,
+                                                     limits,
+                                                     result.labels,
+                                                     sub_progress(progress, 0.1, 0.9));
+    record(result, cohesion);
+    result.cohesion_iterations = cohesion.count();
+    result.cohesion_seconds = cohesion_watch.elapsed_seconds();
+}
+
+} // namespace
+
+PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count)
+    : mesh_(std::move(mesh)), dual_graph_(build_dual_graph(mesh_, thread_count)),
+      report_(inspect(mesh_, dual_graph_, thread_count)) {}
+
+const CollapseHierarchy& PreparedMesh::hierarchy(int thread_count, const Progress& progress) {
+    if (!hierarchy_) {
+        hierarchy_ = build_hierarchy(mesh_, dual_graph_, thread_count, progress);
+    }
+    return *hierarchy_;
+}
+
+const Parametrization& PreparedMesh::parametrization(int thread_count, const Progress& progress) {
+    if (!parametrization_) {
+        const CollapseHierarchy& collapsed =
+            hierarchy(thread_count, sub_progress(progress, 0.0, 0.4));
+        parametrization_ =
+            parametrize(mesh_, collapsed, thread_count, sub_progress(progress, 0.4, 1.0));
+    }
+    return *parametrization_;
+}
+
+bool PreparedMesh::set_parametrization(std::vector<Vec3> sphere_positions) {
+    if (!is_valid_parametrization(mesh_, sphere_positions)) {
+        return false;
+    }
+    parametrization_ = Parametrization{std::move(sphere_positions)};
+    return true;
+}
+
+int requested_submesh_count(const SegmentOptions& options, int face_count) {
+    if (options.triangles_per_submesh > 0) {
+        return face_count / options.triangles_per_submesh +
+            (face_count % options.triangles_per_submesh != 0);
+    }
+    if (options.submesh_count != 0) {
+        return options.submesh_count;
+    }
+    const int small_mesh_count =
+        (face_count + kFacesPerDefaultSubmesh - 1) / kFacesPerDefaultSubmesh;
+    return std::clamp(small_mesh_count, 1, kDefaultSubmeshCount);
+}
+
+void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
+    const std::string defect = closed_genus_zero_error(mesh.report());
+    if (!defect.empty()) {
+        throw InvalidInput(defect);
+    }
+    refuse_negative(options.triangles_per_submesh, "triangles_per_submesh");
+    refuse_negative(options.thread_count, "thread_count");
+    refuse_negative(options.max_cohesion_iterations, "max_cohesion_iterations");
+    refuse_negative(options.max_refinement_iterations, "max_refinement_iterations");
+    refuse_negative(options.time_limit_seconds, "time_limit_seconds");
+    const int face_count = mesh.mesh().face_count();
+    const int submesh_count = requested_submesh_count(options, face_count);
+    if (submesh_count < 1 || submesh_count > face_count) {
+        throw InvalidOptions("submesh_count must lie in [1, " + std::to_string(face_count) +
+                             "] (the mesh has " + std::to_string(face_count) + " faces), found " +
+                             std::to_string(submesh_count) +
+                             ". Ask for fewer sub-meshes, or set triangles_per_submesh.");
+    }
+    if (options.device == Device::cuda) {
+        throw DeviceError("Expected a build with CUDA for device \"cuda\", found one built without "
+                          "CUDA. Use device \"auto\" or \"cpu\".");
+    }
+    if (options.method == Method::fast) {
+        throw InvalidOptions("Expected method \"all_pairs\", found \"fast\", which is not built "
+                             "yet. Use \"all_pairs\".");
+    }
+}
+
+Segmentation segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) {
+    const Deadline deadline(options.time_limit_seconds);
+    validate(options, mesh);
+    report_progress(progress, 0.0, "Parametrization");
+    const int submesh_count = requested_submesh_count(options, mesh.mesh().face_count());
+    Segmentation result;
+    switch (options.method) {
+    case Method::all_pairs:
+    case Method::fast:
+        segment_all_pairs(mesh, options, submesh_count, deadline, progress, result);
+        break;
+    }
+    result.measures = measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count);
+    result.total_seconds = deadline.elapsed_seconds();
+    report_progress(progress, 1.0, "Done");
+    return result;
+}
+
+} // namespace spheroseg
