@@ -75,7 +75,7 @@ def _shading(corners):
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     lamp = np.array([-0.3, -0.5, 0.81])
     # Pixel rows grow downwards, so that outward normals point along -normals.
-    return 0.45 + 0.55 * np.clip(-normals @ (lamp / np.linalg.norm(lamp)), 0.0, 1.0)
+    return 0.62 + 0.38 * np.clip(-normals @ (lamp / np.linalg.norm(lamp)), 0.0, 1.0)
 
 
 def _visible_faces(corners, width, height):
