@@ -234,15 +234,15 @@ void plan_collapses(CollapseMesh& mesh,
     std::vector<char> loses(count);
 #pragma omp parallel num_threads(thread_count) if (count > kSerialSize)
     {
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             plan_star(mesh, round, i);
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             loses[i] = loses_conflict(mesh, round, keys, i);
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             round.target[i] = loses[i] ? -1 : round.target[i];
             mesh.vertices[round.vertex[i]].slot = -1;
@@ -257,7 +257,7 @@ void apply_collapses(CollapseMesh& mesh, const CollapseRound& round, int thread_
     {
         // Three steps, since the stars of two collapses may share edges: a vanishing face may lie
         // beside one that vanishes with another star.
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             if (round.target[i] >= 0) {
                 const int* const begin = &round.star_faces[round.star_begin[i]];
@@ -266,13 +266,13 @@ void apply_collapses(CollapseMesh& mesh, const CollapseRound& round, int thread_
                 mesh.faces[end[-1]].heir = end[-2];
             }
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             if (round.target[i] >= 0) {
                 seams[i] = find_seam(mesh, round, i);
             }
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
             if (round.target[i] >= 0) {
                 apply_collapse(mesh, round, seams[i], i);

@@ -6,13 +6,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 
 namespace spheroseg {
 
 namespace {
 
 constexpr int kSerialSize = 4000;
-constexpr int kSelectionPasses = 4;
+constexpr int kSelectionPasses = 2;
 /// With more vertices than this, a round of independent collapses leaves at least five: m vertices
 /// span 2 m - 4 faces, each of which holds at most one removed vertex of degree three.
 constexpr int kParallelVertexCount = 8;
@@ -35,20 +36,21 @@ std::uint32_t mix(std::uint32_t x) {
     return x ^ (x >> 16);
 }
 
-enum : unsigned char { kOpen = 0, kExcluded = 255 };
+enum : unsigned char { kOpen, kSelected, kClosed };
 
 class Builder {
 public:
     Builder(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count)
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
           face_count_(mesh.face_count()), keys_(mesh.vertex_count()),
-          states_(mesh.vertex_count(), kOpen) {
+          states_(mesh.vertex_count(), kOpen), is_loser_(mesh.vertex_count(), 0),
+          live_faces_(mesh.face_count()) {
+        std::iota(live_faces_.begin(), live_faces_.end(), 0);
         for (int v = 0; v < mesh.vertex_count(); ++v) {
             if (mesh_.vertices[v].degree > 0) {
                 alive_.push_back(v);
             }
         }
-        live_face_count_ = face_count_;
         result_.star_begin = {0};
         result_.round_begin = {0};
     }
@@ -57,21 +59,23 @@ public:
 
 private:
     bool rank_vertices(const Limits& limits);
-    void select_pass(unsigned char pass);
+    void mark_losers();
+    void select_winners();
+    void cover_neighbors();
     void select_vertices();
     int append_round();
-    void drop_removed_vertices();
+    void drop_removed();
     void collect_base();
 
     int threads_;
     CollapseMesh mesh_;
     int face_count_;
-    int live_face_count_;
     std::vector<int> alive_;
     /// Rank of a vertex in the running round: weight of its star, then a hash.
     std::vector<std::uint64_t> keys_;
-    /// kOpen, kExcluded, or 2 p + 1 (selected in pass p) or 2 p + 2 (next to a selected one).
     std::vector<unsigned char> states_;
+    std::vector<unsigned char> is_loser_;
+    std::vector<int> live_faces_;
     CollapseRound round_;
     CollapseHierarchy result_;
 };
@@ -83,7 +87,8 @@ bool Builder::rank_vertices(const Limits& limits) {
     const double scale = 16.0 / mean_weight;
     const std::uint32_t salt = mix(static_cast<std::uint32_t>(result_.round_begin.size()));
     bool complete = true;
-#pragma omp parallel for num_threads(threads_) if (count > kSerialSize) reduction(&& : complete)
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_)                             \
+    if (count > kSerialSize) reduction(&& : complete)
     for (int i = 0; i < count; ++i) {
         const int v = alive_[i];
         CollapseMesh::Vertex& vertex = mesh_.vertices[v];
@@ -92,7 +97,7 @@ bool Builder::rank_vertices(const Limits& limits) {
         }
         const bool fits = vertex.degree <= limits.max_degree &&
             vertex.weight <= limits.max_weight_ratio * mean_weight;
-        states_[v] = fits && !mesh_.is_fixed[v] ? kOpen : kExcluded;
+        states_[v] = fits && !mesh_.is_fixed[v] ? kOpen : kClosed;
         complete = complete && (fits || mesh_.is_fixed[v]);
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
         keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
@@ -100,35 +105,58 @@ bool Builder::rank_vertices(const Limits& limits) {
     return complete;
 }
 
-/// Selects the open vertices of least key among their open neighbours. What this pass itself has
-/// decided counts as open, so that the outcome does not depend on the order of evaluation.
-void Builder::select_pass(unsigned char pass) {
-    const unsigned char selected = 2 * pass + 1;
-    const unsigned char covered = 2 * pass + 2;
+/// Marks the open vertices that have an open neighbour of smaller key.
+void Builder::mark_losers() {
+    const int count = static_cast<int>(live_faces_.size());
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
+    for (int i = 0; i < count; ++i) {
+        const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
+        int best = -1;
+        for (int v : t) {
+            if (states_[v] == kOpen && (best < 0 || keys_[v] < keys_[best])) {
+                best = v;
+            }
+        }
+        for (int v : t) {
+            if (v != best && states_[v] == kOpen) {
+#pragma omp atomic write
+                is_loser_[v] = 1;
+            }
+        }
+    }
+}
+
+/// Selects the open vertices that are not marked, and takes the marks away.
+void Builder::select_winners() {
     const int count = static_cast<int>(alive_.size());
-#pragma omp parallel for schedule(static) num_threads(threads_) if (count > kSerialSize)
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
     for (int i = 0; i < count; ++i) {
         const int v = alive_[i];
-        if (states_[v] != kOpen) {
-            continue;
+        if (states_[v] == kOpen && !is_loser_[v]) {
+            states_[v] = kSelected;
         }
-        unsigned char decision = selected;
-        mesh_.for_each_in_star(v, [&](int, int r) {
-            unsigned char state;
+        is_loser_[v] = 0;
+    }
+}
+
+/// Closes the neighbours of selected vertices.
+void Builder::cover_neighbors() {
+    const int count = static_cast<int>(live_faces_.size());
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
+    for (int i = 0; i < count; ++i) {
+        const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
+        std::array<unsigned char, 3> states;
+        for (int c = 0; c < 3; ++c) {
 #pragma omp atomic read
-            state = states_[r];
-            if (state == kOpen || state == selected || state == covered) {
-                if (keys_[r] < keys_[v] && decision == selected) {
-                    decision = kOpen;
-                }
-            } else if (state % 2 == 1 && state != kExcluded) {
-                decision = covered;
-            }
-            return decision != covered;
-        });
-        if (decision != kOpen) {
+            states[c] = states_[t[c]];
+        }
+        if (states[0] == kSelected || states[1] == kSelected || states[2] == kSelected) {
+            for (int c = 0; c < 3; ++c) {
+                if (states[c] == kOpen) {
 #pragma omp atomic write
-            states_[v] = decision;
+                    states_[t[c]] = kClosed;
+                }
+            }
         }
     }
 }
@@ -149,10 +177,12 @@ void Builder::select_vertices() {
         return;
     }
     for (int pass = 0; pass < kSelectionPasses; ++pass) {
-        select_pass(static_cast<unsigned char>(pass));
+        mark_losers();
+        select_winners();
+        cover_neighbors();
     }
     for (int v : alive_) {
-        if (states_[v] % 2 == 1 && states_[v] != kExcluded) {
+        if (states_[v] == kSelected) {
             round_.vertex.push_back(v);
         }
     }
@@ -174,7 +204,7 @@ int Builder::append_round() {
     }
     result_.ring_vertices.resize(result_.star_begin.back());
     result_.star_faces.resize(result_.star_begin.back());
-#pragma omp parallel for num_threads(threads_) if (count > kSerialSize)
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
     for (int i = 0; i < count; ++i) {
         if (step_of[i] >= 0) {
             const int from = round_.star_begin[i];
@@ -191,28 +221,27 @@ int Builder::append_round() {
     return result_.step_count() - first;
 }
 
-void Builder::drop_removed_vertices() {
-    alive_.erase(std::remove_if(alive_.begin(),
-                                alive_.end(),
-                                [&](int v) { return mesh_.vertices[v].degree == 0; }),
-                 alive_.end());
+void Builder::drop_removed() {
+    const auto is_removed = [&](int v) { return mesh_.vertices[v].degree == 0; };
+    alive_.erase(std::remove_if(alive_.begin(), alive_.end(), is_removed), alive_.end());
+    const auto is_gone = [&](int f) { return mesh_.faces[f].heir >= 0; };
+    live_faces_.erase(std::remove_if(live_faces_.begin(), live_faces_.end(), is_gone),
+                      live_faces_.end());
 }
 
 void Builder::collect_base() {
-    for (int f = 0; f < face_count_; ++f) {
-        if (mesh_.faces[f].heir < 0) {
-            result_.base_faces.push_back(f);
-            result_.base_triangles.push_back(mesh_.faces[f].vertices);
-        }
+    for (int f : live_faces_) {
+        result_.base_faces.push_back(f);
+        result_.base_triangles.push_back(mesh_.faces[f].vertices);
     }
 }
 
 CollapseHierarchy Builder::build(const Progress& progress) {
     const Limits strict;
     Limits limits;
-    while (live_face_count_ > 4) {
+    while (live_faces_.size() > 4) {
         report_progress(progress,
-                        1.0 - static_cast<double>(live_face_count_) / face_count_,
+                        1.0 - static_cast<double>(live_faces_.size()) / face_count_,
                         "Simplifying the mesh");
         const bool complete = rank_vertices(limits);
         select_vertices();
@@ -220,8 +249,7 @@ CollapseHierarchy Builder::build(const Progress& progress) {
         apply_collapses(mesh_, round_, threads_);
         const int vertex_count = static_cast<int>(alive_.size());
         const int removed = append_round();
-        drop_removed_vertices();
-        live_face_count_ -= 2 * removed;
+        drop_removed();
         if (removed == 0 && complete) {
             break;
         }

@@ -24,15 +24,16 @@ struct Attempt {
     double area_weight;
     int sweep_factor;
 };
-constexpr Attempt kAttempts[] = {{0.0005, 1}, {0.02, 2}, {1.0, 4}};
+constexpr Attempt kAttempts[] = {{0.00001, 1}, {0.02, 2}, {1.0, 4}};
 
 constexpr int kInsertionRetries = 3;
 constexpr int kRetrySweeps = 10;
 constexpr int kInsertionIterations = 2;
+constexpr double kOvershoot = 1.7;
 
 /// Sweeps over all vertices after a round; a coarse map is cheap, and what is wrong there stays.
 int sweep_count(int face_count) {
-    return face_count < 4000 ? 6 : face_count < 40000 ? 3 : 2;
+    return face_count < 4000 ? 12 : face_count < 40000 ? 6 : 4;
 }
 
 /// Re-inserts the vertices of a hierarchy on the sphere.
@@ -51,7 +52,8 @@ private:
     void place_base();
     bool insert_round(int round);
     bool insert_vertex(int step, VertexRing& ring);
-    void move_vertex(int v, VertexRing& ring);
+    void gather_rings();
+    void move_vertex(int index, VertexRing& ring);
     void sweep(int count);
 
     const CollapseHierarchy& hierarchy_;
@@ -59,7 +61,10 @@ private:
     RefiningMesh mesh_;
     std::vector<Vec3> positions_;
     std::vector<VertexRing> rings_;
-    std::vector<int> base_vertices_;
+    /// The removed vertices in the order of the hierarchy, then those of the base.
+    std::vector<int> sweep_order_;
+    std::vector<int> ring_begin_;
+    std::vector<int> ring_vertices_;
     DistortionWeights weights_;
 };
 
@@ -70,11 +75,12 @@ void Mapper::place_base() {
     positions_[t[0]] = {s, s, s};
     positions_[t[1]] = {s, -s, -s};
     positions_[t[2]] = {-s, s, -s};
-    base_vertices_.assign(t.begin(), t.end());
+    sweep_order_ = hierarchy_.vertex;
+    sweep_order_.insert(sweep_order_.end(), t.begin(), t.end());
     for (int v : hierarchy_.base_triangles[1]) {
         if (std::find(t.begin(), t.end(), v) == t.end()) {
             positions_[v] = {-s, -s, s};
-            base_vertices_.push_back(v);
+            sweep_order_.push_back(v);
         }
     }
 }
@@ -97,35 +103,57 @@ bool Mapper::insert_round(int round) {
     const int begin = hierarchy_.round_begin[round];
     const int end = hierarchy_.round_begin[round + 1];
     bool complete = true;
-#pragma omp parallel for num_threads(threads_) if (end - begin > kSerialSize)                      \
-    reduction(&& : complete)
+#pragma omp parallel for schedule(dynamic, 256) num_threads(threads_)                              \
+    if (end - begin > kSerialSize) reduction(&& : complete)
     for (int i = begin; i < end; ++i) {
         complete = insert_vertex(i, rings_[omp_get_thread_num()]) && complete;
     }
     return complete;
 }
 
-void Mapper::move_vertex(int v, VertexRing& ring) {
+/// Lists the neighbours of all vertices, in the order in which they are swept: walking from face to
+/// face again in each sweep would cost more.
+void Mapper::gather_rings() {
+    const int first = hierarchy_.round_begin[mesh_.round()];
+    const int count = static_cast<int>(sweep_order_.size());
+    ring_begin_.resize(count + 1);
+    ring_begin_[first] = 0;
+    for (int i = first; i < count; ++i) {
+        ring_begin_[i + 1] = ring_begin_[i] + mesh_.degree(sweep_order_[i]);
+    }
+    ring_vertices_.resize(ring_begin_[count]);
+#pragma omp parallel for schedule(dynamic, 256)                                                    \
+    num_threads(threads_) if (count - first > kSerialSize)
+    for (int i = first; i < count; ++i) {
+        int* next = &ring_vertices_[ring_begin_[i]];
+        mesh_.for_each_in_star(sweep_order_[i], [&](int, int r) { *next++ = r; });
+    }
+}
+
+void Mapper::move_vertex(int index, VertexRing& ring) {
     ring.clear();
-    mesh_.for_each_in_star(v, [&](int, int r) { ring.add(positions_[r]); });
-    ring.minimize(positions_[v], weights_, 1);
+    for (int j = ring_begin_[index]; j < ring_begin_[index + 1]; ++j) {
+        ring.add(positions_[ring_vertices_[j]]);
+    }
+    ring.minimize(positions_[sweep_order_[index]], weights_, 1, kOvershoot);
 }
 
 /// Moves every vertex `count` times. Vertices that were inserted in the same round are never
 /// neighbours, so that a round can be moved in parallel, with one outcome.
 void Mapper::sweep(int count) {
     weights_.target_area = kSphereArea / mesh_.live_face_count();
+    gather_rings();
     for (int s = 0; s < count; ++s) {
         for (int r = mesh_.round(); r < hierarchy_.round_count(); ++r) {
             const int begin = hierarchy_.round_begin[r];
             const int end = hierarchy_.round_begin[r + 1];
-#pragma omp parallel for num_threads(threads_) if (end - begin > kSerialSize)
+#pragma omp parallel for schedule(dynamic, 256) num_threads(threads_) if (end - begin > kSerialSize)
             for (int i = begin; i < end; ++i) {
-                move_vertex(hierarchy_.vertex[i], rings_[omp_get_thread_num()]);
+                move_vertex(i, rings_[omp_get_thread_num()]);
             }
         }
-        for (int v : base_vertices_) {
-            move_vertex(v, rings_[0]);
+        for (std::size_t i = hierarchy_.vertex.size(); i < sweep_order_.size(); ++i) {
+            move_vertex(static_cast<int>(i), rings_[0]);
         }
     }
 }

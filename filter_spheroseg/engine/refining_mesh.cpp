@@ -2,6 +2,7 @@
 #include "refining_mesh.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace spheroseg {
 
@@ -13,7 +14,7 @@ constexpr int kSerialSize = 1000;
 
 RefiningMesh::RefiningMesh(const CollapseHierarchy& hierarchy, int face_count, int vertex_count)
     : hierarchy_(hierarchy), faces_(face_count, {{-1, -1, -1}, {-1, -1, -1}}),
-      vertex_faces_(vertex_count, -1), step_of_face_(face_count, -1),
+      vertex_faces_(vertex_count, -1), degrees_(vertex_count, 0), step_of_face_(face_count, -1),
       round_(hierarchy.round_count()),
       live_face_count_(static_cast<int>(hierarchy.base_faces.size())) {
     TriangleMesh base;
@@ -27,6 +28,7 @@ RefiningMesh::RefiningMesh(const CollapseHierarchy& hierarchy, int face_count, i
             const int neighbor = base_graph.neighbors[i][c];
             face.neighbors[c] = neighbor < 0 ? -1 : hierarchy.base_faces[neighbor];
             vertex_faces_[face.vertices[c]] = hierarchy.base_faces[i];
+            ++degrees_[face.vertices[c]];
         }
     }
 }
@@ -95,6 +97,12 @@ void RefiningMesh::undo_step(int step, const Seam& seam) {
         faces_[seam.beyond[1]].neighbors[seam.side[1]] = last;
     }
     vertex_faces_[v] = first;
+    degrees_[v] = degree;
+    for (const auto& [r, change] :
+         {std::pair{target, 4 - degree}, {ring[1], 1}, {ring[degree - 1], 1}}) {
+#pragma omp atomic
+        degrees_[r] += change;
+    }
     // The target may have lost the face that it was known by; that face is in one star at most, so
     // that only one step of the round writes here.
     int known;
@@ -114,16 +122,16 @@ void RefiningMesh::undo_round(int thread_count) {
 #pragma omp parallel num_threads(thread_count) if (end - begin > kSerialSize)
     {
         // As with apply_collapses: an edge may open on both sides in the same round.
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = begin; i < end; ++i) {
             step_of_face_[star_faces(i)[1]] = i;
             step_of_face_[star_faces(i)[star_size(i) - 2]] = i;
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = begin; i < end; ++i) {
             seams_[i - begin] = find_seam(i);
         }
-#pragma omp for
+#pragma omp for schedule(dynamic, 256)
         for (int i = begin; i < end; ++i) {
             undo_step(i, seams_[i - begin]);
             step_of_face_[star_faces(i)[1]] = -1;

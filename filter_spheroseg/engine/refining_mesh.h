@@ -25,6 +25,8 @@ public:
     int round() const { return round_; }
     int live_face_count() const { return live_face_count_; }
     const std::vector<Face>& faces() const { return faces_; }
+    /// Number of faces around a vertex.
+    int degree(int v) const { return degrees_[v]; }
 
     /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) around `v`,
     /// counter-clockwise. The fan of `v` must be closed.
@@ -63,6 +65,7 @@ private:
     const CollapseHierarchy& hierarchy_;
     std::vector<Face> faces_;
     std::vector<int> vertex_faces_;
+    std::vector<int> degrees_;
     /// Step of the running round that a face will give a neighbour to, or -1.
     std::vector<int> step_of_face_;
     std::vector<Seam> seams_;

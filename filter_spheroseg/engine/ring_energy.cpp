@@ -193,7 +193,10 @@ Vec3 VertexRing::moved(const Vec3& v, double x, double y) const {
     return normalized(v + u_ * x + w_ * y);
 }
 
-void VertexRing::minimize(Vec3& v, const DistortionWeights& weights, int iteration_count) {
+void VertexRing::minimize(Vec3& v,
+                          const DistortionWeights& weights,
+                          int iteration_count,
+                          double overshoot) {
     for (int iteration = 0; iteration < iteration_count; ++iteration) {
         set_frame(v);
         const Derivatives d = differentiate(weights);
@@ -210,15 +213,14 @@ void VertexRing::minimize(Vec3& v, const DistortionWeights& weights, int iterati
         }
         const double norm = std::sqrt(x * x + y * y);
         // A step of 0.5 is about 27 degrees.
-        double step = std::min({1.0, kStepFraction * longest_step(x, y), 0.5 / norm});
-        bool improved = false;
-        for (int i = 0; i < kMaxHalvings && !improved && norm > 0.0; ++i, step *= 0.5) {
-            improved = distortion(step * x, step * y, weights) < d.value;
+        double step = std::min({overshoot, kStepFraction * longest_step(x, y), 0.5 / norm});
+        int halvings = 0;
+        while (!(distortion(step * x, step * y, weights) < d.value)) {
+            if (++halvings > kMaxHalvings) {
+                return;
+            }
+            step *= 0.5;
         }
-        if (!improved) {
-            return;
-        }
-        step *= 2.0;
         const Vec3 candidate = moved(v, step * x, step * y);
         if (!encloses(candidate)) {
             return;

@@ -33,8 +33,12 @@ public:
     bool find_start(Vec3& v) const;
 
     /// Moves `v`, which the ring must enclose, by up to `iteration_count` damped Newton steps that
-    /// lower the distortion; the ring encloses the result.
-    void minimize(Vec3& v, const DistortionWeights& weights, int iteration_count);
+    /// lower the distortion; the ring encloses the result. An `overshoot` between 1 and 2 lengthens
+    /// the steps: sweeps over many vertices then converge faster (successive over-relaxation).
+    void minimize(Vec3& v,
+                  const DistortionWeights& weights,
+                  int iteration_count,
+                  double overshoot = 1.0);
 
 private:
     struct Derivatives;
