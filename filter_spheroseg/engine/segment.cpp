@@ -2,6 +2,7 @@
 #include "segment.h"
 
 #include "all_pairs_cohesion.h"
+#include "all_pairs_refinement.h"
 
 #include <algorithm>
 #include <utility>
@@ -62,6 +63,16 @@ void segment_all_pairs(PreparedMesh& prepared,
     record(result, cohesion);
     result.cohesion_iterations = cohesion.count();
     result.cohesion_seconds = cohesion_watch.elapsed_seconds();
+    result.measures_after_cohesion =
+        measure(prepared.mesh(), prepared.dual_graph(), result.labels, submesh_count);
+
+    limits.max_iterations = options.max_refinement_iterations;
+    const Deadline refinement_watch;
+    const SwapIterations refinement = refine_all_pairs(
+        prepared.dual_graph(), limits, result.labels, sub_progress(progress, 0.9, 1.0));
+    record(result, refinement);
+    result.refinement_iterations = refinement.count();
+    result.refinement_seconds = refinement_watch.elapsed_seconds();
 }
 
 } // namespace

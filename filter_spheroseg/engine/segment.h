@@ -15,7 +15,7 @@ enum class Effort { draft, standard, high };
 enum class Device { automatic, cpu, cuda };
 
 struct SegmentOptions {
-    /// Number of sub-meshes k, in [1, F]; 0: 200, or fewer for meshes under 2,000 faces.
+    /// Number of sub-meshes k, in [1, F]; 0: 200, or ceil(F / 10) for meshes under 2,000 faces.
     int submesh_count = 0;
     /// If > 0, k = ceil(F / triangles_per_submesh) instead.
     int triangles_per_submesh = 0;
@@ -39,6 +39,8 @@ struct Segmentation {
     /// One label in [0, k) per face.
     std::vector<int> labels;
     Measures measures;
+    /// `all_pairs`: the measures between cohesion and refinement.
+    Measures measures_after_cohesion;
     int cohesion_iterations = 0;
     int refinement_iterations = 0;
     double parametrization_seconds = 0.0;

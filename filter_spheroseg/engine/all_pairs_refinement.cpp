@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "all_pairs_refinement.h"
+
+#include "measures.h"
+#include "refinement_cost.h"
+#include "round_robin.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace spheroseg {
+
+namespace {
+
+/// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
+constexpr long long kPairsPerReport = 1LL << 28;
+/// A thread with fewer slots than this would mostly wait at the end of each round.
+constexpr int kMinSlotsPerThread = 8192;
+constexpr int kBlockSize = 256;
+
+using GainBound = signed char;
+/// Eq. 1 of a face with a label that none of its three neighbours has. No face on a boundary can
+/// have more: with one boundary side 1 + 4 + 4, with two 4 + 4, with three 9.
+constexpr int kStrangerCost = 9;
+/// Of faces that take no part: sums with any other bound stay negative, and within a byte.
+constexpr GainBound kNoCandidate = -64;
+
+struct FacePair {
+    int a;
+    int b;
+};
+
+class Refinement {
+public:
+    Refinement(const DualGraph& dual_graph, std::vector<int>& labels)
+        : dual_graph_(dual_graph), labels_(labels), schedule_(dual_graph.face_count()),
+          bounds_(labels.size()), stamps_(labels.size(), 0) {
+        for (int f = 0; f < dual_graph.face_count(); ++f) {
+            bounds_[f] = gain_bound(f);
+        }
+    }
+
+    const RoundRobin& schedule() const { return schedule_; }
+
+    /// Plays the rounds [round_begin, round_end) and returns the number of swaps.
+    long long play_rounds(int round_begin, int round_end, int threads) {
+        std::vector<std::vector<FacePair>> decided(threads);
+        long long swap_count = 0;
+#pragma omp parallel num_threads(threads)
+        {
+            const int team = omp_get_num_threads();
+            const int member = omp_get_thread_num();
+            const long long slots = schedule_.slot_count();
+            const int slot_begin = static_cast<int>(slots * member / team);
+            const int slot_end = static_cast<int>(slots * (member + 1) / team);
+            for (int round = round_begin; round < round_end; ++round) {
+                std::vector<FacePair>& own = decided[member];
+                own.clear();
+                schedule_.for_each_run(
+                    round, slot_begin, slot_end, [&](const PairRun& run) { decide(run, own); });
+#pragma omp barrier
+#pragma omp master
+                swap_count += commit(decided);
+#pragma omp barrier
+            }
+        }
+        return swap_count;
+    }
+
+private:
+    /// The most by which Eq. 1 of a face can fall in any swap. Its partner brings the label of one
+    /// of its neighbours, or one that none of them has. A partner that is not itself a neighbour
+    /// can only take faces of that label away from around it, which raises the cost; a partner that
+    /// is a neighbour is tried as it is. Two faces whose bounds sum to 0 or less do not swap.
+    GainBound gain_bound(int face) const {
+        const int label = labels_[face];
+        if (boundary_side_count(dual_graph_, labels_, face, label) == 0) {
+            return kNoCandidate;
+        }
+        int least = kStrangerCost;
+        for (int neighbor : dual_graph_.neighbors[face]) {
+            const int other = labels_[neighbor];
+            if (other != label) {
+                const SwappedLabels swapped(labels_, face, neighbor);
+                least = std::min({least,
+                                  cost_after_change(face, other),
+                                  refinement_cost(dual_graph_, swapped, face, other)});
+            }
+        }
+        return static_cast<GainBound>(refinement_cost(dual_graph_, labels_, face, label) - least);
+    }
+
+    /// Eq. 1 of `face` if it alone had the label `submesh`, which is not its own.
+    int cost_after_change(int face, int submesh) const {
+        const int own = boundary_side_count(dual_graph_, labels_, face, submesh);
+        int cost = own * own;
+        for (int neighbor : dual_graph_.neighbors[face]) {
+            if (labels_[neighbor] == submesh) {
+                const int sides = boundary_side_count(dual_graph_, labels_, neighbor, submesh) - 1;
+                cost += sides * sides;
+            }
+        }
+        return cost;
+    }
+
+    /// Appends the pairs of a run that would swap, in the order of the slots.
+    void decide(const PairRun& run, std::vector<FacePair>& decided) const {
+        for (int begin = 0; begin < run.count; begin += kBlockSize) {
+            const int first = run.first + begin;
+            const int second = run.second - begin;
+            const int count = std::min(kBlockSize, run.count - begin);
+            const GainBound* bounds_a = bounds_.data() + first;
+            const GainBound* bounds_b = bounds_.data() + second;
+            GainBound most = -128;
+            for (int i = 0; i < count; ++i) {
+                const auto sum = static_cast<GainBound>(bounds_a[i] + bounds_b[-i]);
+                most = std::max(most, sum);
+            }
+            if (most <= 0) {
+                continue;
+            }
+            for (int i = 0; i < count; ++i) {
+                if (bounds_a[i] + bounds_b[-i] > 0 && swaps(first + i, second - i)) {
+                    decided.push_back({first + i, second - i});
+                }
+            }
+        }
+    }
+
+    /// Algorithm 3. Where neither face has a neighbour with the other's label, both would get the
+    /// greatest cost that there is.
+    bool swaps(int a, int b) const {
+        const int label_a = labels_[a];
+        const int label_b = labels_[b];
+        return label_a != label_b && (touches(a, label_b) || touches(b, label_a)) &&
+            swap_gain(dual_graph_, labels_, a, b) > 0;
+    }
+
+    bool touches(int face, int submesh) const {
+        const auto& neighbors = dual_graph_.neighbors[face];
+        return labels_[neighbors[0]] == submesh || labels_[neighbors[1]] == submesh ||
+            labels_[neighbors[2]] == submesh;
+    }
+
+    long long commit(const std::vector<std::vector<FacePair>>& decided) {
+        ++stamp_;
+        long long swap_count = 0;
+        for (const std::vector<FacePair>& pairs : decided) {
+            for (const FacePair& pair : pairs) {
+                const bool yields = is_near_stamped(pair.a) || is_near_stamped(pair.b);
+                stamps_[pair.a] = stamp_;
+                stamps_[pair.b] = stamp_;
+                if (!yields) {
+                    std::swap(labels_[pair.a], labels_[pair.b]);
+                    update_bounds_near(pair.a);
+                    update_bounds_near(pair.b);
+                    ++swap_count;
+                }
+            }
+        }
+        return swap_count;
+    }
+
+    bool is_near_stamped(int face) const {
+        bool found = false;
+        visit_within_two_steps(face, [&](int f) { found = found || stamps_[f] == stamp_; });
+        return found;
+    }
+
+    void update_bounds_near(int face) {
+        visit_within_two_steps(face, [&](int f) { bounds_[f] = gain_bound(f); });
+    }
+
+    /// Visits some faces more than once.
+    template <typename Visit> void visit_within_two_steps(int face, const Visit& visit) const {
+        visit(face);
+        for (int neighbor : dual_graph_.neighbors[face]) {
+            visit(neighbor);
+            for (int next : dual_graph_.neighbors[neighbor]) {
+                visit(next);
+            }
+        }
+    }
+
+    const DualGraph& dual_graph_;
+    std::vector<int>& labels_;
+    RoundRobin schedule_;
+    std::vector<GainBound> bounds_;
+    /// Last commit in which a pair with this face was decided.
+    std::vector<long long> stamps_;
+    long long stamp_ = 0;
+};
+
+/// One iteration over all pairs. `complete` becomes false when the time limit cut it short.
+long long play_iteration(Refinement& refinement,
+                         const SwapLimits& limits,
+                         int iterations_done,
+                         const Progress& progress,
+                         bool& complete) {
+    const RoundRobin& schedule = refinement.schedule();
+    const int threads = std::clamp(
+        schedule.slot_count() / kMinSlotsPerThread, 1, resolve_thread_count(limits.thread_count));
+    const int rounds = schedule.round_count();
+    const int step =
+        static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
+    long long swap_count = 0;
+    for (int begin = 0; begin < rounds; begin += step) {
+        if (limits.expired()) {
+            complete = false;
+            break;
+        }
+        report_progress(progress,
+                        open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
+                        "Refinement");
+        swap_count += refinement.play_rounds(begin, std::min(rounds, begin + step), threads);
+    }
+    return swap_count;
+}
+
+} // namespace
+
+double refinement_energy(const DualGraph& dual_graph, const std::vector<int>& labels) {
+    double energy = 0.0;
+    for (int f = 0; f < dual_graph.face_count(); ++f) {
+        energy += refinement_cost(dual_graph, labels, f, labels[f]);
+    }
+    return energy;
+}
+
+SwapIterations refine_all_pairs(const DualGraph& dual_graph,
+                                const SwapLimits& limits,
+                                std::vector<int>& labels,
+                                const Progress& progress) {
+    SwapIterations history;
+    Refinement refinement(dual_graph, labels);
+    double least_boundary = count_boundary_edges(dual_graph, labels);
+    std::vector<int> best_labels = labels;
+    for (bool converged = false; !converged && !history.time_limit_hit;) {
+        if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
+            break;
+        }
+        const Deadline watch;
+        bool complete = true;
+        const long long swap_count =
+            play_iteration(refinement, limits, history.count(), progress, complete);
+        const double boundary = count_boundary_edges(dual_graph, labels);
+        history.boundary_edges.push_back(boundary);
+        history.swaps.push_back(static_cast<double>(swap_count));
+        history.energy.push_back(refinement_energy(dual_graph, labels));
+        history.seconds.push_back(watch.elapsed_seconds());
+        history.time_limit_hit = !complete;
+        converged = boundary >= least_boundary;
+        if (boundary < least_boundary) {
+            least_boundary = boundary;
+            best_labels = labels;
+        }
+    }
+    labels = best_labels;
+    return history;
+}
+
+} // namespace spheroseg
