@@ -33,6 +33,8 @@ COMMANDS = {
         "spheroseg.commands.install_plugin",
         "add the plugin to the MeshLab application",
     ),
+    "split": ("spheroseg.commands.split", "write each sub-mesh as a file of its own"),
+    "export": ("spheroseg.commands.export", "write GPU-ready arrays (.npz) or a .glb"),
 }
 
 

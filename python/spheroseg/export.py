@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from spheroseg import atomic
+from spheroseg.errors import InputError
 from spheroseg.palette import colour_indices, palette
 from spheroseg.submeshes import SubMeshes
 
@@ -23,7 +24,7 @@ def export(submeshes: SubMeshes, path: Path) -> None:
     elif path.suffix.lower() == ".glb":
         atomic.write_bytes(path, glb_bytes(submeshes))
     else:
-        raise ValueError(f"'{path}' must end in one of {', '.join(FORMATS)}")
+        raise InputError(f"'{path}' must end in one of {', '.join(FORMATS)}")
 
 
 def npz_bytes(submeshes: SubMeshes) -> bytes:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from spheroseg.baselines.dual_graph import build_dual_graph
+from spheroseg.errors import InputError
 
 # The largest 16-bit value restarts primitives on some devices, so no vertex may have it as index.
 MAX_SHORT_VERTICES = 65535
@@ -62,7 +63,7 @@ def split_into_submeshes(
 ) -> SubMeshes:
     """Blocks for `labels` (one per face, in [0, k)); k is the largest label + 1 unless given.
 
-    O(F log F). Raises ValueError when the shapes differ or a label is out of range.
+    O(F log F). Raises InputError when the shapes differ or a label is out of range.
     """
     faces = np.asarray(faces)
     labels = checked_labels(labels, len(faces), submesh_count)
@@ -93,22 +94,22 @@ def split_into_submeshes(
 
 
 def checked_labels(labels, face_count: int, submesh_count: int | None = None) -> np.ndarray:
-    """Labels as int32, or a ValueError that says what is wrong with them."""
+    """Labels as int32, or an InputError that says what is wrong with them."""
     labels = np.asarray(labels)
     if labels.shape != (face_count,):
-        raise ValueError(
+        raise InputError(
             f"there must be one label per triangle, {face_count} in all, but the labels have the "
             f"shape {labels.shape}"
         )
     if face_count == 0:
-        raise ValueError("the mesh has no triangles")
+        raise InputError("the mesh has no triangles")
     wrong = ~(np.isfinite(labels) & (labels >= 0) & (labels == np.floor(labels)))
     if submesh_count is not None:
         wrong |= labels >= submesh_count
     if wrong.any():
         index = int(np.argmax(wrong))
         upper = "" if submesh_count is None else f" below {submesh_count}"
-        raise ValueError(
+        raise InputError(
             f"labels must be whole numbers from 0{upper}, but triangle {index} has {labels[index]}"
         )
     return labels.astype(np.int32)

@@ -11,6 +11,7 @@ import pytest
 from shapes import bumpy_sphere, octahedron
 
 from spheroseg import atomic
+from spheroseg.cli import main
 from spheroseg.export import export, glb_bytes, vertex_normals
 from spheroseg.palette import colour_indices, palette
 from spheroseg.ply import colour_properties, ply_bytes
@@ -307,3 +308,51 @@ def test_leftovers_of_a_killed_run_are_removed(tmp_path):
     assert atomic.remove_leftovers(tmp_path) == 1
     assert not leftover.exists()
     assert (tmp_path / "mesh.ply").exists()
+
+
+@pytest.fixture
+def labelled_files(labelled, tmp_path):
+    vertices, faces, labels = labelled
+    (tmp_path / "bare.ply").write_bytes(ply_bytes(vertices, faces))
+    quality = {"quality": labels.astype(np.float32)}
+    (tmp_path / "own.ply").write_bytes(ply_bytes(vertices, faces, face_properties=quality))
+    np.save(tmp_path / "labels.npy", labels)
+    return tmp_path
+
+
+@pytest.mark.parametrize("source", [["own.ply"], ["bare.ply", "--labels", "labels.npy"]])
+def test_export_command_reads_labels_of_the_mesh_or_of_a_file(
+    source, labelled, labelled_files, monkeypatch
+):
+    monkeypatch.chdir(labelled_files)
+    assert main(["export", *source, "-o", "out.npz"]) == 0
+    expected = split_into_submeshes(*labelled)
+    with np.load("out.npz") as stored:
+        assert np.array_equal(stored["triangles"], expected.triangles)
+        assert np.array_equal(stored["positions"], expected.positions)
+
+
+def test_split_command_segments_a_bare_mesh(labelled_files, monkeypatch):
+    monkeypatch.chdir(labelled_files)
+    assert main(["split", "bare.ply", "-k", "6", "-o", "parts"]) == 0
+    manifest = json.loads((labelled_files / "parts" / "manifest.json").read_text())
+    counts = [entry["triangle_count"] for entry in manifest["submeshes"]]
+    assert sorted(counts) == [85, 85, 85, 85, 86, 86]  # 512 = 4 * 85 + 2 * 86
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["export", "bare.ply", "-o", "o.npz"], "bare.ply has no labels"),
+        (["export", "own.ply", "-o", "o.stl"], "must end in .npz or .glb"),
+        (["export", "bare.ply", "--labels", "labels.npy", "-k", "2", "-o", "o.npz"], "--labels"),
+        (["split", "own.ply", "-o", "."], "must be a new or an empty folder"),
+        (["split", "gone.ply", "-o", "parts"], "gone.ply: no such file"),
+    ],
+)
+def test_commands_refuse_in_one_line(arguments, message, labelled_files, monkeypatch, capsys):
+    monkeypatch.chdir(labelled_files)
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1

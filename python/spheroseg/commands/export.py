@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes a labelled mesh in a form that a GPU reads: local vertices and indices per sub-mesh.
+
+OUT.npz holds the arrays that docs/export.md lists, OUT.glb one primitive per sub-mesh.
+"""
+
+from pathlib import Path
+
+from spheroseg.commands import labelled, shared
+from spheroseg.export import FORMATS, export
+
+
+def add_arguments(parser):
+    labelled.add_arguments(parser)
+    parser.add_argument(
+        "-o", "--output", metavar="OUT.glb|OUT.npz", required=True, help="file to write"
+    )
+
+
+def run(arguments) -> int:
+    shared.check_output(arguments.output, *FORMATS)
+    submeshes = labelled.read(arguments).submeshes
+    export(submeshes, Path(arguments.output))
+    bits = 8 * submeshes.triangles.dtype.itemsize
+    print(f"{submeshes.count} sub-meshes with {bits}-bit indices in {arguments.output}")
+    return 0
