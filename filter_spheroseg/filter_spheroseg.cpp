@@ -32,6 +32,33 @@ void require_closed_genus_zero(const PreparedMesh& prepared) {
     }
 }
 
+/// MeshLab handles its user's input while progress is reported. So a filter may be called while
+/// another one runs, which is refused, and the mesh may be gone when it has finished.
+class ExclusiveRun {
+public:
+    explicit ExclusiveRun(std::atomic<bool>& running) : running_(running) {
+        if (running_.exchange(true)) {
+            throw MLException("A SpheroSeg filter is already running. Wait until it has ended.");
+        }
+    }
+    ~ExclusiveRun() { running_ = false; }
+    ExclusiveRun(const ExclusiveRun&) = delete;
+    ExclusiveRun& operator=(const ExclusiveRun&) = delete;
+
+private:
+    std::atomic<bool>& running_;
+};
+
+MeshModel& still_the_same(MeshDocument& document, int mesh_id, const HostMesh& host) {
+    MeshModel* model = document.getMesh(mesh_id);
+    if (!model || model->cm.vn != static_cast<int>(host.vertex_index.size()) ||
+        model->cm.fn != static_cast<int>(host.face_index.size())) {
+        throw InvalidInput("The mesh was removed or changed while the filter ran. Nothing was "
+                           "written; apply the filter again.");
+    }
+    return *model;
+}
+
 } // namespace
 
 FilterSpheroSegPlugin::FilterSpheroSegPlugin() {
@@ -120,14 +147,14 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
                                    MeshDocument& document,
                                    unsigned int& post_condition_mask,
                                    vcg::CallBackPos* callback) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const ExclusiveRun exclusive(running_);
     try {
         if (!document.mm()) {
             throw InvalidInput("A mesh is expected, but the document has none. Open one first.");
         }
         switch (ID(action)) {
         case SEGMENTATION:
-            return segment(*document.mm(), parameters, post_condition_mask, to_progress(callback));
+            return segment(document, parameters, post_condition_mask, to_progress(callback));
         case PARAMETRIZATION:
             return parametrize(document, parameters, to_progress(callback));
         case MEASURES:
@@ -144,14 +171,15 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
     return {};
 }
 
-Results FilterSpheroSegPlugin::segment(MeshModel& model,
+Results FilterSpheroSegPlugin::segment(MeshDocument& document,
                                        const RichParameterList& parameters,
                                        unsigned int& post_condition_mask,
                                        const Progress& progress) {
     const SegmentOptions options = segment_options(parameters);
     const bool colorize = parameters.getBool("colorize");
-    HostMesh host = read_mesh(model.cm);
-    auto sphere_positions = read_sphere_positions(model.cm, host);
+    const int mesh_id = document.mm()->id();
+    HostMesh host = read_mesh(document.mm()->cm);
+    auto sphere_positions = read_sphere_positions(document.mm()->cm, host);
     const bool has_positions = sphere_positions.has_value();
     PreparedMesh& prepared =
         cache_.prepare(std::move(host.mesh), std::move(sphere_positions), options.thread_count);
@@ -170,6 +198,7 @@ Results FilterSpheroSegPlugin::segment(MeshModel& model,
                                 segmentation.measures.submesh_count);
     }
 
+    MeshModel& model = still_the_same(document, mesh_id, host);
     model.updateDataMask(MeshModel::MM_FACEQUALITY);
     write_labels(model.cm, host, segmentation.labels);
     post_condition_mask = MeshModel::MM_FACEQUALITY;
@@ -190,8 +219,8 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
                                            const RichParameterList& parameters,
                                            const Progress& progress) {
     const Deadline watch;
-    MeshModel& model = *document.mm();
-    HostMesh host = read_mesh(model.cm);
+    const int mesh_id = document.mm()->id();
+    HostMesh host = read_mesh(document.mm()->cm);
     PreparedMesh& prepared = cache_.prepare(std::move(host.mesh), std::nullopt, 0);
     require_closed_genus_zero(prepared);
     // Measured as the host stores them: single precision may flip a tiny triangle.
@@ -199,6 +228,7 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
         rounded_to_host(prepared.parametrization(0, progress).positions);
     const ParametrizationQuality quality = measure_parametrization(prepared.mesh(), positions);
 
+    MeshModel& model = still_the_same(document, mesh_id, host);
     write_sphere_positions(model.cm, host, positions);
     if (parameters.getBool("new_layer")) {
         MeshModel* layer = document.addNewMesh(model.cm, model.label() + " (sphere)", false);

@@ -6,7 +6,7 @@
 
 #include <common/plugins/interfaces/filter_plugin.h>
 
-#include <mutex>
+#include <atomic>
 
 /// The MeshLab plugin. Each filter reads the current mesh into plain arrays, calls the engine, and
 /// writes the result only when nothing can fail any more.
@@ -38,7 +38,7 @@ public:
                                                 vcg::CallBackPos* callback) override;
 
 private:
-    spheroseg::Results segment(MeshModel& model,
+    spheroseg::Results segment(MeshDocument& document,
                                const RichParameterList& parameters,
                                unsigned int& post_condition_mask,
                                const spheroseg::Progress& progress);
@@ -48,5 +48,5 @@ private:
     spheroseg::Results measure(const MeshModel& model);
 
     spheroseg::PreparedMeshCache cache_;
-    std::mutex mutex_;
+    std::atomic<bool> running_{false};
 };
