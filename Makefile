@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
-.PHONY: help demo test setup setup-run plugin plugin-gui \
-	test-style test-engine test-sanitize test-plugin test-python
+.PHONY: help demo test setup setup-run plugin plugin-gui install-gui gui-root \
+	test-style test-engine test-sanitize test-plugin test-python test-gui
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
+GUI_ROOT := $(or $(SPHEROSEG_GUI_ROOT),$(CURDIR)/.cache/meshlab-root)
 CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp' 'tests/*.h' 'tests/*.cpp')
 export PYTHONPATH := $(CURDIR)/python
 
@@ -13,6 +14,8 @@ help:
 	@echo "make test        everything that CI runs"
 	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
 	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
+	@echo "make install-gui adds it to the MeshLab application of this user"
+	@echo "make test-gui    tests it in the real MeshLab window, on a virtual screen"
 	@echo "make setup       what building and testing need: packages, .venv, headers"
 
 setup:
@@ -25,14 +28,22 @@ plugin: setup-run
 	cmake --preset plugin
 	cmake --build build/plugin --parallel $(JOBS)
 
+# Where the application of the GUI tests is at hand, the linker checks that it brings all symbols.
 plugin-gui: setup-run
-	cmake --preset gui
+	cmake --preset gui -DSPHEROSEG_MESHLAB_COMMON=$$(ls $(GUI_ROOT)/usr/lib/*/meshlab/libmeshlab-common.so 2>/dev/null)
 	cmake --build build/gui --parallel $(JOBS)
+
+install-gui: plugin-gui
+	$(PYTHON) -m spheroseg install-plugin $(INSTALL_ARGUMENTS)
+
+gui-root:
+	@scripts/setup.sh gui
+	@SPHEROSEG_GUI_ROOT=$(GUI_ROOT) scripts/gui_root.sh
 
 demo: plugin
 	$(PYTHON) -m spheroseg.demo out/demo
 
-test: test-style test-engine test-sanitize test-plugin test-python
+test: test-style test-engine test-sanitize test-plugin test-python test-gui
 
 test-style: setup
 	.venv/bin/clang-format --dry-run -Werror $(CPP_FILES)
@@ -56,3 +67,6 @@ test-plugin: setup
 
 test-python: test-plugin
 	$(PYTHON) -m pytest
+
+test-gui: gui-root plugin-gui plugin
+	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest tests/gui

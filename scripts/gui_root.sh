@@ -42,7 +42,10 @@ installed_version() {
     dpkg-query --admindir "$1/var/lib/dpkg" --show --showformat '${Version}' meshlab
 }
 
-[ "$(id -u)" -eq 0 ] || fail "needs root (debootstrap and chroot): run it with sudo"
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || fail "needs root for debootstrap and chroot, and there is no sudo"
+    exec sudo --preserve-env=SPHEROSEG_GUI_ROOT,SPHEROSEG_GUI_SUITE,SPHEROSEG_GUI_MIRROR "$0" "$@"
+fi
 if [ "${1:-}" = --remove ]; then
     remove_tree "$root"
     remove_tree "$root.partial"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what is missing to build and run (setup.sh run) or also to test (setup.sh dev):
+# Installs what is missing to build and run (setup.sh run), also to test (setup.sh dev), or also to
+# drive the MeshLab application on a virtual screen (setup.sh gui):
 # system packages by apt, pinned Python packages in .venv, MeshLab's headers in .cache.
 # What is there already is left alone, so that a second run takes a moment.
 set -euo pipefail
@@ -11,7 +12,8 @@ readonly venv="$root/.venv"
 
 run_packages=(g++ cmake ninja-build python3 python3-venv git ca-certificates xz-utils
     qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libglu1-mesa-dev libopengl0)
-dev_packages=(libgtest-dev clang libclang-rt-dev libomp-dev libegl1)
+gui_packages=(debootstrap xvfb openbox xdotool x11-utils xclip)
+dev_packages=(libgtest-dev clang libomp-dev libegl1)
 # Elsewhere Chromium is no ordinary package; the tests of the report then skip.
 if grep -qs '^ID=debian' /etc/os-release; then dev_packages+=(chromium chromium-driver); fi
 
@@ -20,8 +22,9 @@ say() { echo "setup: $*"; }
 case "$level" in
 run) packages=("${run_packages[@]}") ;;
 dev) packages=("${run_packages[@]}" "${dev_packages[@]}") ;;
+gui) packages=("${run_packages[@]}" "${dev_packages[@]}" "${gui_packages[@]}") ;;
 *)
-    say "expected run or dev, found '$level'" >&2
+    say "expected run, dev or gui, found '$level'" >&2
     exit 2
     ;;
 esac
@@ -77,11 +80,12 @@ if [ ! -x "$venv/bin/python" ]; then
 fi
 
 # The stamp lies inside the environment, which several checkouts may share by a symbolic link.
-requirements="$root/requirements/$level.txt"
-stamp="$venv/.spheroseg-$level"
+python_level="${level/gui/dev}"
+requirements="$root/requirements/$python_level.txt"
+stamp="$venv/.spheroseg-$python_level"
 wanted=$(cat "$root"/requirements/*.txt | sha256sum)
 if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
-    say "installing Python packages (requirements/$level.txt)"
+    say "installing Python packages (requirements/$python_level.txt)"
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --requirement "$requirements"
     echo "$wanted" >"$stamp"

@@ -14,6 +14,18 @@ from screen import Screen, Window, wait_until
 
 HOME_IN_ROOT = Path("/home/user")
 PROGRAM = "MeshLab_64bit_fp"
+# Where the menu stands in the window, and its submenus from top to bottom.
+FILTERS_MENU = (116, 10)
+FILTERS_SUBMENUS = [
+    "Selection",
+    "Cleaning and Repairing",
+    "Create New Mesh Layer",
+    "Remeshing, Simplification and Reconstruction",
+    "Polygonal and Quad Mesh",
+    "Color Creation and Processing",
+    "Smoothing, Fairing and Deformation",
+    "Quality Measure and Computations",
+]
 _SETTINGS = """\
 [General]
 lastTimeMeshLabVersionCheckedOnStart=Fri Jan 1 2100
@@ -24,16 +36,18 @@ dontRemindMeAboutUpgrade=true
 _ENTER_ROOT = """
 mount --bind "$1" "$2/home/user" && mount --bind /tmp/.X11-unix "$2/tmp/.X11-unix" &&
 mount -t proc proc "$2/proc" || exit 97
-root=$2; display=$3; shift 3
-exec chroot "$root" env -i HOME=/home/user DISPLAY="$display" LANG=C.UTF-8 PATH=/usr/bin:/bin \
-    LIBGL_ALWAYS_SOFTWARE=1 XDG_RUNTIME_DIR=/tmp "$@"
+root=$2; display=$3; user=$4; shift 4
+exec chroot --userspec="$user" "$root" env -i HOME=/home/user DISPLAY="$display" \
+    LANG=C.UTF-8 PATH=/usr/bin:/bin LIBGL_ALWAYS_SOFTWARE=1 XDG_RUNTIME_DIR=/tmp "$@"
 """
 
 
 def root_command(root: Path, home: Path, display: str, *command: str) -> list[str]:
     """The command line that runs `command` inside the MeshLab root with `home` as its home."""
     unshare = ["unshare", "--mount", "--net", "sh", "-c", _ENTER_ROOT, "sh"]
-    return [*unshare, str(home), str(root), display, *command]
+    user = f"{os.getuid()}:{os.getgid()}"
+    as_root = [] if os.geteuid() == 0 else ["sudo", "--non-interactive"]
+    return [*as_root, *unshare, str(home), str(root), display, user, *command]
 
 
 def prepare_home(home: Path) -> Path:
@@ -58,15 +72,15 @@ class MeshLabWindow:
         self._shots = 0
         self._log_file = artefacts / "log.txt"
         self._process: subprocess.Popen | None = None
+        self._main: Window | None = None
 
     def __enter__(self) -> "MeshLabWindow":
         return self
 
-    def __exit__(self, kind: object, *_: object) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._process is None or self._process.poll() is not None:
             return
-        if kind is not None:
-            self.screenshot("at-failure")
+        self.screenshot("at-the-end")
         self._process.kill()
         self._process.wait(timeout=10)
 
@@ -82,7 +96,8 @@ class MeshLabWindow:
         # The driver reads the file that MeshLab writes: a pipe that nobody empties would block it.
         with self._log_file.open("w") as log:
             self._process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
-        self.wait_for_window("MeshLab", seconds)
+        # Kept, because a busy MeshLab does not answer questions about its windows.
+        self._main = self.wait_for_window("MeshLab 20", seconds)
         for _ in meshes:
             self.wait_for_log("All files opened", seconds)
         self.screen.settle()
@@ -130,9 +145,21 @@ class MeshLabWindow:
 
     def canvas(self) -> np.ndarray:
         """Pixels of the area where the mesh is drawn, without its lower info band."""
-        main = self.screen.find_window("MeshLab 20")
+        main = self._main
         pixels = self.screen.pixels()
         return pixels[main.y + 70 : main.y + 730, 4 : int(main.width * 0.65)]
+
+    def progress_share(self) -> float:
+        """How much of the progress bar in the status bar is filled, from 0 to 1."""
+        main = self._main
+        above_its_text = main.y + main.height - 24
+        strip = self.screen.pixels()[
+            above_its_text, main.x + main.width // 2 : main.x + main.width - 4
+        ]
+        # Blue up to where it is filled; the text on it is white.
+        red, blue = strip[:, 0].astype(int), strip[:, 2].astype(int)
+        filled = np.flatnonzero(blue - red > 60)
+        return (filled[-1] + 1) / len(strip) if len(filled) else 0.0
 
     # --- hands ------------------------------------------------------------------------------
 
@@ -143,6 +170,24 @@ class MeshLabWindow:
         self.screen.type_text(words)
         self.screen.settle()
 
+    def open_filters_submenu(self, title: str) -> None:
+        """Opens the Filters menu and in it the submenu; its first entry is then highlighted."""
+        main = self._main
+        self.screen.click(main.x + FILTERS_MENU[0], main.y + FILTERS_MENU[1])
+        self.screen.settle()
+        # The first entry, "Apply filter", can not be chosen before a filter was applied.
+        self.screen.keys(*["Down"] * (FILTERS_SUBMENUS.index(title) + 2))
+        self.screen.keys("Right")
+        self.screen.settle()
+
+    def run_filter_without_parameters(self, name: str, seconds: float = 30.0) -> None:
+        """Finds a filter that has no dialog by the search box, which runs it."""
+        start = len(self.log_text())
+        self.search(name)
+        self.screen.keys("Down", "Return")
+        self.wait_for_log(re.escape(f"Applied filter: {name}"), seconds, start)
+        self.screen.settle()
+
     def open_filter(self, name: str) -> "FilterDialog":
         """Finds a filter by the search box and opens its dialog."""
         self.search(name)
@@ -150,6 +195,12 @@ class MeshLabWindow:
         self.wait_for_window(name)
         self.screen.settle()
         return FilterDialog(self, name)
+
+    def dismiss(self, title: str) -> None:
+        """Answers a message box with its default button."""
+        self.screen.keys("Return")
+        self.wait_for_no_window(title)
+        self.screen.settle()
 
     def export(self, name: str) -> Path:
         """Exports the current layer with all that it has; returns the file on this side."""
@@ -209,12 +260,21 @@ class FilterDialog:
         self.meshlab.wait_for_no_window(self.name)
         self.screen.settle()
 
+    def move_aside(self) -> None:
+        """To the left edge, where it does not cover the progress bar."""
+        self.screen.move(self.window, 0, 20)
+        self.screen.settle()
+
     def reset(self) -> None:
         self._click(0.25, 50)
         self.screen.settle()
 
     def toggle_help(self) -> None:
         self._click(0.75, 50)
+        self.screen.settle()
+
+    def toggle_preview(self) -> None:
+        self._click(0.03, 169)
         self.screen.settle()
 
     def copied_call(self) -> str:
@@ -254,8 +314,3 @@ class FilterDialog:
         self.screen.type_text(text)
         self.screen.keys("Tab")
         self.screen.settle()
-
-
-def clean_environment() -> dict[str, str]:
-    """This process's environment without what would point MeshLab's tools at the real home."""
-    return {key: value for key, value in os.environ.items() if not key.startswith("XDG_")}

@@ -96,17 +96,14 @@ class Screen:
             self._run("xdotool", "key", "--clearmodifiers", combination)
 
     def type_text(self, text: str) -> None:
-        self._run("xdotool", "type", "--delay", "8", text)
+        self._run("xdotool", "type", "--delay", "8", "--", text)
 
     def click(self, x: int, y: int, count: int = 1) -> None:
         self._run("xdotool", "mousemove", x, y)
         self._run("xdotool", "click", "--repeat", count, "--delay", "40", "1")
 
-    def move_pointer(self, x: int, y: int) -> None:
-        self._run("xdotool", "mousemove", x, y)
-
-    def resize(self, window: Window, width: int, height: int) -> None:
-        self._run("xdotool", "windowsize", window.id, width, height)
+    def move(self, window: Window, x: int, y: int) -> None:
+        self._run("xdotool", "windowmove", window.id, x, y)
 
     def windows(self) -> list[Window]:
         """The visible windows of MeshLab that have a title of their own."""

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Balanced Segmentation in the MeshLab window, step by step as a person uses it."""
+
+import re
+
+import numpy as np
+import pymeshlab
+import pytest
+from screen import wait_until
+
+SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
+MEASURES = "Segmentation Measures (SpheroSeg)"
+SUBMESH_COUNT, TRIANGLES_PER_SUBMESH, SEED, THREADS = range(4)
+FAILURE = "Filter Failure"
+APPLIED = f"Applied filter: {SEGMENTATION}"
+
+
+def load(path):
+    """A MeshSet with an exported mesh, and the labels in its face quality."""
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(path))
+    quality = meshes.current_mesh().face_scalar_array()
+    labels = quality.astype(int)
+    assert np.array_equal(labels, quality)
+    return meshes, labels
+
+
+def assert_balanced(labels, submesh_count):
+    counts = np.bincount(labels)
+    assert len(counts) == submesh_count
+    assert counts.max() - counts.min() <= 1
+
+
+def vivid_colors(pixels):
+    """How many clearly different colours, grey ones aside, the picture has; noise is left out."""
+    flat = pixels.reshape(-1, 3).astype(int)
+    hue_like = flat - flat.min(axis=1, keepdims=True)
+    vivid = flat[hue_like.max(axis=1) > 60] // 32
+    _, counts = np.unique(vivid, axis=0, return_counts=True)
+    return int((counts > 20).sum())
+
+
+def test_stands_in_the_menu_of_quality_measures(meshlab, cow):
+    meshlab.start(cow)
+    # First in alphabetical order among the filters of its menu, so no further key is needed.
+    meshlab.open_filters_submenu("Quality Measure and Computations")
+    meshlab.screenshot("menu")
+    meshlab.screen.keys("Return")
+    meshlab.wait_for_window(SEGMENTATION)
+    meshlab.screenshot("dialog")
+    assert meshlab.quit() == 0
+
+
+def test_the_search_box_finds_it_by_a_word(meshlab, cow):
+    meshlab.start(cow)
+    meshlab.search("balanced segmentation")
+    meshlab.screenshot("search")
+    meshlab.screen.keys("Down", "Return")
+    meshlab.wait_for_window(SEGMENTATION)
+
+
+def test_the_dialog_opens_with_defaults_for_the_mesh(meshlab, cow, small_mesh):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    meshlab.screenshot("dialog")
+    assert dialog.copied_call() == "ms.compute_scalar_by_balanced_segmentation_per_face()"
+    assert dialog.field_text(SUBMESH_COUNT) == "200"
+    assert dialog.field_text(TRIANGLES_PER_SUBMESH) == "0"
+    dialog.toggle_help()
+    meshlab.screenshot("dialog-with-help")
+    dialog.toggle_help()
+    dialog.close()
+
+
+def test_a_small_mesh_is_offered_fewer_submeshes(meshlab, small_mesh):
+    meshlab.start(small_mesh)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    meshlab.screenshot("dialog")
+    assert 1 < int(dialog.field_text(SUBMESH_COUNT)) < 200
+
+
+def test_applying_colours_the_mesh_and_reports_to_the_log(meshlab, cow):
+    meshlab.start(cow)
+    before = vivid_colors(meshlab.canvas())
+    dialog = meshlab.open_filter(SEGMENTATION)
+    log = dialog.apply()
+    dialog.close()
+    meshlab.screenshot("coloured")
+    assert vivid_colors(meshlab.canvas()) > before + 20
+    summary = re.search(r"LOG: 2 (.*)", log)[1]
+    assert "5804 triangles in 200 sub-meshes of 29 to 30" in summary
+    # A person reads it: no number with more than four digits behind the point.
+    assert not re.search(r"\.\d{5}", summary)
+
+
+def test_changed_parameters_reach_the_exported_labels(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(SUBMESH_COUNT, "37")
+    dialog.set_field(SEED, "5")
+    meshlab.screenshot("changed")
+    log = dialog.apply()
+    dialog.close()
+    meshes, labels = load(meshlab.export("labelled.ply"))
+    assert_balanced(labels, 37)
+    measures = meshes.apply_filter("get_segmentation_measures")
+    assert f"{measures['boundary_edge_count']} boundary edges" in log
+    assert measures["max_triangle_count_difference"] <= 1
+    # Every sub-mesh has one colour.
+    colors = meshes.current_mesh().face_color_matrix()
+    assert len({(label, *color) for label, color in zip(labels, colors, strict=True)}) == 37
+
+
+def test_triangles_per_submesh_takes_the_place_of_the_count(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(TRIANGLES_PER_SUBMESH, "100")
+    assert "in 59 sub-meshes of 98 to 99" in dialog.apply()
+
+
+def test_twice_the_same_then_another_count_then_reloaded(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.apply()
+    _, first = load(meshlab.export("first.ply"))
+    dialog.apply()
+    _, second = load(meshlab.export("second.ply"))
+    assert np.array_equal(first, second)
+    dialog.set_field(SUBMESH_COUNT, "10")
+    assert "in 10 sub-meshes" in dialog.apply()
+    dialog.close()
+    meshlab.screenshot("ten")
+
+
+def test_reloading_takes_the_colours_away_and_the_filter_works_again(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.apply()
+    dialog.close()
+    coloured = vivid_colors(meshlab.canvas())
+    meshlab.reload()
+    meshlab.screenshot("reloaded")
+    assert vivid_colors(meshlab.canvas()) < coloured - 20
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.apply()
+    dialog.close()
+    meshlab.screenshot("again")
+    assert vivid_colors(meshlab.canvas()) == pytest.approx(coloured, rel=0.2)
+
+
+def test_preview_shows_the_colours_and_takes_them_back(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    before = vivid_colors(meshlab.canvas())
+    dialog.toggle_preview()
+    meshlab.screenshot("preview")
+    wait_until(lambda: vivid_colors(meshlab.canvas()) > before + 5, "the previewed colours")
+    dialog.toggle_preview()
+    meshlab.screenshot("preview-off")
+    wait_until(lambda: vivid_colors(meshlab.canvas()) <= before + 2, "the colours to go")
+    dialog.close()
+    assert meshlab.is_running()
+
+
+def test_an_open_mesh_gives_a_dialog_and_meshlab_goes_on(meshlab, open_mesh, cow):
+    meshlab.start(open_mesh)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.press_apply()
+    meshlab.wait_for_window(FAILURE)
+    meshlab.screenshot("error")
+    meshlab.dismiss(FAILURE)
+    meshlab.wait_for_log("failed: .*3 open border edges")
+    dialog.close()
+    # Repaired by MeshLab's own filter, the same mesh is segmented.
+    repair = meshlab.open_filter("Close Holes")
+    repair.apply()
+    repair.close()
+    assert "Applied filter" in meshlab.open_filter(SEGMENTATION).apply()
+    assert meshlab.quit() == 0
+
+
+@pytest.mark.parametrize("count", ["0", "-3", "5805", "many"])
+def test_an_impossible_count_gives_a_dialog(meshlab, cow, count):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(SUBMESH_COUNT, count)
+    dialog.press_apply()
+    meshlab.wait_for_window(FAILURE)
+    meshlab.screenshot("error")
+    meshlab.dismiss(FAILURE)
+    dialog.set_field(SUBMESH_COUNT, "20")
+    assert "in 20 sub-meshes" in dialog.apply()
+
+
+def test_without_a_mesh_the_filter_is_not_offered(meshlab):
+    meshlab.start()
+    meshlab.search("balanced segmentation")
+    meshlab.screenshot("search")
+    meshlab.screen.keys("Down", "Return")
+    meshlab.screen.settle()
+    assert meshlab.screen.find_window(SEGMENTATION) is None
+    assert meshlab.is_running()
+
+
+def test_the_measures_filter_reports_the_labels_in_the_log(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    segmented = dialog.apply()
+    dialog.close()
+    start = len(meshlab.log_text())
+    meshlab.run_filter_without_parameters(MEASURES)
+    measured = meshlab.log_text()[start:]
+    edges = re.compile(r"(\d+) boundary edges")
+    assert edges.search(segmented)[1] == edges.search(measured)[1]
+
+
+def test_labels_of_the_copied_call_equal_those_of_the_window(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(SUBMESH_COUNT, "64")
+    call = dialog.copied_call()
+    dialog.apply()
+    dialog.close()
+    _, labels = load(meshlab.export("labelled.ply"))
+    ms = pymeshlab.MeshSet()
+    ms.load_new_mesh(str(cow))
+    eval(call, {"ms": ms, "pymeshlab": pymeshlab})
+    assert np.array_equal(ms.current_mesh().face_scalar_array(), labels)
+
+
+def test_progress_moves_while_the_window_stays_alive(meshlab, large_mesh):
+    meshlab.start(large_mesh)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.move_aside()
+    start = len(meshlab.log_text())
+    dialog.press_apply()
+    levels = []
+
+    def applied():
+        levels.append(round(meshlab.progress_share(), 2))
+        if levels[-1] not in levels[:-1]:
+            meshlab.screenshot(f"progress-{levels[-1]:.0%}")
+        return APPLIED in meshlab.log_text()[start:]
+
+    wait_until(applied, "the large mesh to be segmented", seconds=300)
+    running = [level for level in levels if level > 0]
+    assert len(set(running)) >= 4
+    assert running == sorted(running)
+    assert max(running) > 0.5
+    dialog.close()
+    meshlab.screenshot("coloured")
+    assert meshlab.quit() == 0
+
+
+def test_pressing_apply_again_while_it_runs_does_no_harm(meshlab, large_mesh):
+    meshlab.start(large_mesh)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.move_aside()
+    dialog.press_apply()
+    wait_until(lambda: meshlab.progress_share() > 0, "the first step")
+    dialog.press_apply()
+    meshlab.wait_for_window(FAILURE)
+    meshlab.screenshot("refused")
+    meshlab.dismiss(FAILURE)
+    meshlab.wait_for_log("already running")
+    meshlab.wait_for_log(re.escape(APPLIED), seconds=300)
+    meshlab.screen.settle()
+    dialog.apply(seconds=300)
+    assert meshlab.quit() == 0
