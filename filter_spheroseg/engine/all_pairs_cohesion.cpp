@@ -5,9 +5,11 @@
 #include "measures.h"
 #include "random.h"
 #include "threads.h"
+#include "yielding_barrier.h"
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace spheroseg {
 
@@ -19,6 +21,8 @@ constexpr int kPatience = 32;
 constexpr long long kPairsPerReport = 1LL << 26;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
 constexpr int kMinSlotsPerThread = 512;
+/// Slots of a thread per round that it plays ahead of the others.
+constexpr int kWedgeShare = 8;
 /// Length of the random offset that parts coinciding centroids.
 constexpr double kOffsetLength = 1e-3;
 /// Coordinates are summed as multiples of 2^-36: exact whatever the order, up to 2^26 faces.
@@ -103,6 +107,11 @@ bool part_coinciding_centroids(PointArrays& centroids, std::uint64_t seed) {
 }
 
 /// Plays the rounds [round_begin, round_end) and returns the number of swaps.
+///
+/// Slot j of a round meets the elements that slots j - 1, j and j + 1 met in the round before, so
+/// that a thread can play many rounds of its own slots ahead, leaving out one more slot per round
+/// at each end that it shares; after a barrier the wedges so left out are played. The order of the
+/// meetings of every element is that of the rounds, whatever the number of threads.
 long long play_rounds(ChordSwapState& state,
                       const RoundRobin& schedule,
                       int round_begin,
@@ -110,17 +119,33 @@ long long play_rounds(ChordSwapState& state,
                       int threads) {
     long long swap_count = 0;
     const long long slots = schedule.slot_count();
+    std::optional<YieldingBarrier> barrier;
 #pragma omp parallel num_threads(threads) reduction(+ : swap_count)
     {
         const int team = omp_get_num_threads();
+#pragma omp single
+        barrier.emplace(team);
         const int member = omp_get_thread_num();
         const int slot_begin = static_cast<int>(slots * member / team);
         const int slot_end = static_cast<int>(slots * (member + 1) / team);
-        for (int round = round_begin; round < round_end; ++round) {
-            schedule.for_each_run(round, slot_begin, slot_end, [&](const PairRun& run) {
-                swap_count += swap_run(state, run);
-            });
-#pragma omp barrier
+        const int rounds_ahead = static_cast<int>(std::max(1LL, slots / team / kWedgeShare));
+        const auto play = [&](int round, int begin, int end) {
+            schedule.for_each_run(
+                round, begin, end, [&](const PairRun& run) { swap_count += swap_run(state, run); });
+        };
+        for (int first = round_begin; first < round_end; first += rounds_ahead) {
+            const int last = std::min(first + rounds_ahead, round_end);
+            for (int round = first; round < last; ++round) {
+                const int ahead = round - first;
+                play(round,
+                     member == 0 ? 0 : slot_begin + ahead,
+                     member == team - 1 ? slot_end : slot_end - ahead);
+            }
+            barrier->wait();
+            for (int round = first; round < last && member > 0; ++round) {
+                play(round, slot_begin - (round - first), slot_begin + (round - first));
+            }
+            barrier->wait();
         }
     }
     return swap_count;

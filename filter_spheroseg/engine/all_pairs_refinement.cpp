@@ -5,9 +5,10 @@
 #include "refinement_cost.h"
 #include "round_robin.h"
 #include "threads.h"
+#include "yielding_barrier.h"
 
 #include <algorithm>
-#include <numeric>
+#include <optional>
 
 namespace spheroseg {
 
@@ -16,7 +17,7 @@ namespace {
 /// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
 constexpr long long kPairsPerReport = 1LL << 28;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
-constexpr int kMinSlotsPerThread = 8192;
+constexpr int kMinSlotsPerThread = 4096;
 constexpr int kBlockSize = 256;
 
 using GainBound = signed char;
@@ -47,9 +48,12 @@ public:
     long long play_rounds(int round_begin, int round_end, int threads) {
         std::vector<std::vector<FacePair>> decided(threads);
         long long swap_count = 0;
+        std::optional<YieldingBarrier> barrier;
 #pragma omp parallel num_threads(threads)
         {
             const int team = omp_get_num_threads();
+#pragma omp single
+            barrier.emplace(team);
             const int member = omp_get_thread_num();
             const long long slots = schedule_.slot_count();
             const int slot_begin = static_cast<int>(slots * member / team);
@@ -59,10 +63,10 @@ public:
                 own.clear();
                 schedule_.for_each_run(
                     round, slot_begin, slot_end, [&](const PairRun& run) { decide(run, own); });
-#pragma omp barrier
+                barrier->wait();
 #pragma omp master
                 swap_count += commit(decided);
-#pragma omp barrier
+                barrier->wait();
             }
         }
         return swap_count;
