@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From files, folders, globs and CSV lists to the jobs of a batch."""
+
+import csv
+import glob
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from spheroseg.errors import InputError
+
+MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
+_COUNT_COLUMNS = ("submesh_count", "k")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A mesh of a batch. `name` is its place below the output folder, without suffix."""
+
+    mesh: Path
+    name: str
+    submesh_count: int | None = None
+
+
+def collect(inputs: list[str]) -> list[Source]:
+    """The meshes that `inputs` name, in their order, each once.
+
+    A folder stands for all mesh files below it; a CSV file has a column `mesh` (relative to the
+    CSV's folder) and may have a column `submesh_count` or `k`. A file that is named but absent is
+    kept: it fails on its own. Raises InputError for an input that names nothing.
+    """
+    sources: dict[tuple, Source] = {}
+    for text in inputs:
+        found = list(_expand(text))
+        if not found:
+            raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
+        for source in found:
+            sources.setdefault((source.mesh.absolute(), source.submesh_count), source)
+    return _with_unique_names(list(sources.values()))
+
+
+def _expand(text: str):
+    path = Path(text)
+    if path.is_dir():
+        for mesh in sorted(path.rglob("*")):
+            if mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file():
+                yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
+    elif path.suffix.lower() == ".csv":
+        yield from _from_csv(path)
+    elif not path.exists() and glob.has_magic(text):
+        for match in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207 (any pattern)
+            yield from _expand(match)
+    else:
+        yield Source(path, path.stem)
+
+
+def _from_csv(path: Path):
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    with path.open(newline="", encoding="utf-8-sig") as stream:
+        reader = csv.DictReader(stream)
+        columns = reader.fieldnames or []
+        if "mesh" not in columns:
+            raise InputError(f"{path}: must have a column 'mesh', but has {', '.join(columns)}")
+        count_column = next((name for name in _COUNT_COLUMNS if name in columns), None)
+        for row in reader:
+            count = _count(path, reader.line_num, row.get(count_column) if count_column else None)
+            mesh = path.parent / row["mesh"].strip()
+            yield Source(mesh, mesh.stem if count is None else f"{mesh.stem}-k{count}", count)
+
+
+def _count(path: Path, line: int, text: str | None) -> int | None:
+    if text is None or not text.strip():
+        return None
+    try:
+        count = int(text)
+    except ValueError:
+        count = 0
+    if count < 1:
+        raise InputError(f"{path}: line {line}: expected a whole number above 0, found '{text}'")
+    return count
+
+
+def _with_unique_names(sources: list[Source]) -> list[Source]:
+    """Meshes that differ only in their suffix get it as part of their name."""
+    uses = Counter(source.name for source in sources)
+    named = [
+        source
+        if uses[source.name] == 1
+        else Source(
+            source.mesh, f"{source.name}_{source.mesh.suffix[1:].lower()}", source.submesh_count
+        )
+        for source in sources
+    ]
+    first: dict[str, Source] = {}
+    for source in named:
+        other = first.setdefault(source.name, source)
+        if other is not source:
+            raise InputError(
+                f"{other.mesh} and {source.mesh} would both be written as '{source.name}'; name "
+                "the folder above them instead, or use two output folders"
+            )
+    return named

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A job, its record on disk, and the process that does it.
+
+The record `DIR/.records/NAME.json` is written after all results, so its presence says that they
+are whole. Everything a run needs to go on after a kill is in these records.
+"""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from spheroseg import atomic
+
+RECORD_FOLDER = ".records"
+DISK_FULL_EXIT = 4
+
+
+@dataclass(frozen=True)
+class Job:
+    """One mesh to segment. Paths are text, so that a job travels as JSON or pickle.
+
+    `options` are the filter's; `thread_count` is apart from them, as it changes no result.
+    """
+
+    mesh: str
+    name: str
+    folder: str
+    options: dict[str, Any]
+    formats: tuple[str, ...]
+    version: dict[str, str]
+    thread_count: int = 1
+
+    def record_path(self) -> Path:
+        return Path(self.folder) / RECORD_FOLDER / f"{self.name}.json"
+
+    def output_path(self, suffix: str) -> Path:
+        return Path(self.folder) / f"{self.name}{suffix}"
+
+    def settings(self) -> dict[str, Any]:
+        """What decides the result besides the mesh's content."""
+        return {"options": self.options, "formats": list(self.formats), "version": self.version}
+
+
+def sha256(path: Path) -> str:
+    with Path(path).open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def finished_record(job: Job) -> dict[str, Any] | None:
+    """The job's record if the mesh, the settings and the results are those it tells of."""
+    try:
+        record = json.loads(job.record_path().read_text())
+        if record["status"] != "done" or record["settings"] != job.settings():
+            return None
+        if record["input_sha256"] != sha256(Path(job.mesh)):
+            return None
+        for file, digest in record["outputs"].items():
+            if sha256(Path(job.folder) / file) != digest:
+                return None
+    except (OSError, ValueError, KeyError):
+        return None
+    return record
+
+
+def run_job(job: Job) -> dict[str, Any]:
+    """Does a job in a process of its own and returns its record; never raises for a bad mesh.
+
+    A full disk gives a record with the status `disk_full`, which is not stored.
+    """
+    job.record_path().unlink(missing_ok=True)
+    process = subprocess.run(
+        [sys.executable, "-m", "spheroseg.batch.worker"],
+        input=json.dumps(asdict(job)),
+        capture_output=True,
+        text=True,
+        check=False,
+        env=_environment(),
+    )
+    if process.returncode == 0:
+        return json.loads(job.record_path().read_text())
+    if process.returncode == DISK_FULL_EXIT:
+        return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
+    record = failed_record(job, _reason(process))
+    try:
+        store(job, record)
+    except atomic.DiskFullError as error:
+        return failed_record(job, str(error), status="disk_full")
+    return record
+
+
+def _environment() -> dict[str, str]:
+    """The job's process imports this very package, wherever the caller found it."""
+    package = str(Path(__file__).resolve().parents[2])
+    others = os.environ.get("PYTHONPATH")
+    return dict(os.environ, PYTHONPATH=os.pathsep.join([package, others] if others else [package]))
+
+
+def store(job: Job, record: dict[str, Any]) -> None:
+    path = job.record_path()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    atomic.write_text(path, json.dumps(record, indent=1) + "\n")
+
+
+def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any]:
+    return {
+        "mesh": job.mesh,
+        "name": job.name,
+        "status": status,
+        "error": error,
+        "settings": job.settings(),
+        "outputs": {},
+    }
+
+
+def _reason(process: subprocess.CompletedProcess) -> str:
+    if process.returncode < 0:
+        return f"{process.args[-1]} was ended by signal {-process.returncode}"
+    lines = process.stderr.strip().splitlines()
+    return lines[-1] if lines else f"the process ended with exit code {process.returncode}"

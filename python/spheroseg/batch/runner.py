@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the jobs of a batch and writes the manifest."""
+
+import csv
+import io
+import logging
+from collections.abc import Callable, Iterator
+from concurrent import futures
+from pathlib import Path
+from typing import Any
+
+from spheroseg import atomic
+from spheroseg.batch.jobs import RECORD_FOLDER, Job, failed_record, finished_record, run_job
+from spheroseg.errors import InputError
+
+MANIFEST_STEM = "manifest"
+TIMINGS_NAME = "timings.csv"
+
+# Measures of the manifest: all single values that are the same on every run.
+_MEASURES = (
+    "submesh_count",
+    "triangle_count",
+    "min_submesh_triangles",
+    "max_submesh_triangles",
+    "max_triangle_count_difference",
+    "coefficient_of_variation",
+    "boundary_edge_count",
+    "boundary_edge_ratio",
+    "bowtie_count",
+    "disconnected_submesh_count",
+    "disk_count",
+    "cohesion_iterations",
+    "refinement_iterations",
+    "time_limit_hit",
+    "used_cuda",
+)
+_SECONDS = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds", "total_seconds")
+
+Record = dict[str, Any]
+
+
+def check_folder(folder: Path, resume: bool) -> None:
+    """Makes the output folder; refuses one with earlier results unless they are to be resumed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if (folder / RECORD_FOLDER).exists() and not resume:
+        raise InputError(
+            f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
+            "changed, or name another folder"
+        )
+    (folder / RECORD_FOLDER).mkdir(exist_ok=True)
+
+
+def run_all(
+    jobs: list[Job],
+    on_record: Callable[[Record], None],
+    *,
+    resume: bool,
+    worker_count: int,
+    scheduler: str | None = None,
+) -> list[Record]:
+    """Does the jobs that have no valid record yet; returns all records in the order of `jobs`.
+
+    `on_record` gets each record as it comes. Raises DiskFullError when a job finds the disk full;
+    jobs that have not begun are left undone then, for a later run with `resume`.
+    """
+    records: dict[str, Record] = {}
+    waiting = []
+    for job in jobs:
+        record = finished_record(job) if resume else None
+        if record is None:
+            waiting.append(job)
+        else:
+            records[job.name] = record
+            on_record(record)
+    source = _on_dask(waiting, scheduler) if scheduler else _on_this_machine(waiting, worker_count)
+    for record in source:
+        if record["status"] == "disk_full":
+            source.close()
+            raise atomic.DiskFullError(28, record["error"])
+        records[record["name"]] = record
+        on_record(record)
+    return [records[job.name] for job in jobs]
+
+
+def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
+    # Threads only wait here; each job is a process.
+    with futures.ThreadPoolExecutor(worker_count) as pool:
+        try:
+            for future in futures.as_completed([pool.submit(run_job, job) for job in jobs]):
+                yield future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
+    try:
+        from distributed import Client, as_completed
+    except ImportError as error:
+        raise InputError(
+            f"--scheduler needs the package 'distributed' ({error}); install it with "
+            "'pip install spheroseg[batch]'"
+        ) from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    try:
+        client = Client(scheduler, timeout="15s", set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(f"no Dask scheduler answers at {scheduler}: {error}") from None
+    with client:
+        # A job is done again when its worker is lost; its results are the same, written whole.
+        submitted = {
+            client.submit(run_job, job, pure=False, retries=3, key=f"spheroseg-{job.name}"): job
+            for job in jobs
+        }
+        try:
+            for future in as_completed(submitted, loop=client.loop):
+                error = future.exception()
+                if error is None:
+                    yield future.result()
+                else:
+                    yield failed_record(submitted[future], f"{type(error).__name__}: {error}")
+        finally:
+            client.cancel(list(submitted))
+
+
+def write_manifest(folder: Path, records: list[Record], form: str) -> Path:
+    """Writes the manifest (`csv` or `parquet`) and the timings; returns the manifest's path.
+
+    The manifest is the same however often the run was broken off; what changes from run to run is
+    in the timings.
+    """
+    rows = [_row(record) for record in records]
+    path = folder / f"{MANIFEST_STEM}.{form}"
+    if form == "parquet":
+        atomic.write_bytes(path, _parquet_bytes(rows))
+    else:
+        atomic.write_text(path, _csv_text(rows))
+    timings = [
+        {"mesh": record["mesh"], "seconds": record.get("seconds")}
+        | {name: record.get("measures", {}).get(name) for name in _SECONDS}
+        for record in records
+    ]
+    atomic.write_text(folder / TIMINGS_NAME, _csv_text(timings))
+    return path
+
+
+def _row(record: Record) -> dict[str, Any]:
+    settings = record["settings"]
+    outputs = record["outputs"]
+    row = {"mesh": record["mesh"], "status": record["status"], "error": record["error"]}
+    row |= {name: record.get("measures", {}).get(name) for name in _MEASURES}
+    row |= {name: settings["options"].get(name) for name in ("method", "effort", "seed")}
+    row |= {
+        "input_sha256": record.get("input_sha256"),
+        "outputs": " ".join(outputs),
+        "output_sha256": " ".join(outputs.values()),
+    }
+    return row | settings["version"]
+
+
+def _csv_text(rows: list[dict[str, Any]]) -> str:
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, fieldnames=list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return buffer.getvalue()
+
+
+def _parquet_bytes(rows: list[dict[str, Any]]) -> bytes:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise InputError(
+            f"a Parquet manifest needs the package 'pyarrow' ({error}); install it with "
+            "'pip install spheroseg[batch]', or use --manifest csv"
+        ) from None
+    sink = pyarrow.BufferOutputStream()
+    parquet.write_table(pyarrow.Table.from_pylist(rows), sink)
+    return sink.getvalue().to_pybytes()

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The process of one job: reads it as JSON from stdin, writes results and, last, the record.
+
+Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full.
+"""
+
+import ctypes
+import io
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from spheroseg import api, atomic, mesh_files
+from spheroseg.batch.jobs import DISK_FULL_EXIT, Job, sha256, store
+from spheroseg.commands.shared import plain
+from spheroseg.errors import InputError, PluginError
+from spheroseg.export import glb_bytes, npz_bytes
+from spheroseg.ply import colour_properties, ply_bytes
+from spheroseg.submeshes import split_into_submeshes
+
+_PR_SET_PDEATHSIG = 1
+
+
+def main() -> int:
+    _end_with_parent()
+    job = Job(**json.load(sys.stdin))
+    try:
+        store(job, _record(job))
+    except atomic.DiskFullError as error:
+        print(error.strerror, file=sys.stderr)
+        return DISK_FULL_EXIT
+    except (InputError, PluginError, ImportError, OSError, MemoryError) as error:
+        message = " ".join(str(error).split()) or type(error).__name__
+        print(message.removeprefix(f"{job.mesh}: "), file=sys.stderr)
+        return 1
+    return 0
+
+
+def _record(job: Job) -> dict:
+    began = time.perf_counter()
+    digest = sha256(Path(job.mesh))
+    mesh_set = mesh_files.read_mesh(job.mesh)
+    options = job.options | {"thread_count": job.thread_count}
+    measures = plain(api.run_filter(mesh_set, api.SEGMENT_FILTER, **options))
+    mesh = mesh_set.current_mesh()
+    labels = mesh.face_scalar_array().astype(np.int32)
+    outputs = {}
+    for suffix in job.formats:
+        path = job.output_path(suffix)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        atomic.write_bytes(path, _content(suffix, mesh, labels))
+        outputs[path.relative_to(job.folder).as_posix()] = sha256(path)
+    return {
+        "mesh": job.mesh,
+        "name": job.name,
+        "status": "done",
+        "error": "",
+        "settings": job.settings(),
+        "input_sha256": digest,
+        "outputs": outputs,
+        "measures": measures,
+        "seconds": time.perf_counter() - began,
+    }
+
+
+def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
+    vertices, faces = mesh.vertex_matrix(), mesh.face_matrix()
+    if suffix == ".ply":
+        colours = np.round(255 * mesh.face_color_matrix()[:, :3]).astype(np.uint8)
+        properties = {"quality": labels.astype(np.float32)} | colour_properties(colours)
+        return ply_bytes(vertices, faces, face_properties=properties)
+    if suffix == ".npy":
+        return _npy_bytes(labels)
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes)
+
+
+def _npy_bytes(labels: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, labels)
+    return buffer.getvalue()
+
+
+def _end_with_parent() -> None:
+    """Asks Linux to end this process when the one that started it is killed."""
+    if sys.platform == "linux":
+        parent = os.getppid()
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            sys.exit(1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

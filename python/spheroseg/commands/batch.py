@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Segments many meshes, each in a process of its own, and writes a manifest of the results.
+
+INPUTS are mesh files, folders (searched below), globs, or CSV files with the columns mesh and, if
+wanted, submesh_count. A mesh that fails costs one line and exit code 1; the others go on. A run
+that was broken off, killed included, continues with --resume. docs/batch.md tells more.
+"""
+
+import sys
+from importlib.metadata import version
+from os import cpu_count
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from spheroseg import __version__, api, atomic
+from spheroseg.batch import inputs, runner
+from spheroseg.batch.jobs import Job
+from spheroseg.commands.segment import add_segment_options, segment_options
+from spheroseg.errors import InputError
+
+FORMATS = ("ply", "npy", "npz", "glb")
+
+
+def add_arguments(parser):
+    parser.add_argument("inputs", metavar="INPUTS", nargs="+", help="meshes, folders, globs, CSV")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder for results")
+    count = parser.add_mutually_exclusive_group()
+    count.add_argument(
+        "-k", "--submesh-count", type=int, metavar="N", help="where no CSV says otherwise"
+    )
+    count.add_argument("--triangles-per-submesh", type=int, metavar="N")
+    parser.add_argument(
+        "--formats",
+        default="ply",
+        metavar="LIST",
+        help="results per mesh, out of ply,npy,npz,glb (ply: labelled and coloured)",
+    )
+    parser.add_argument("--manifest", choices=("csv", "parquet"), default="csv")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, metavar="N", help="meshes at a time here (all cores)")
+    where.add_argument("--scheduler", metavar="tcp://...", help="run on this Dask cluster instead")
+    parser.add_argument(
+        "--resume", action="store_true", help="do only what is missing, failed or changed"
+    )
+    add_segment_options(parser)
+
+
+def run(arguments) -> int:
+    workers = arguments.workers if arguments.workers is not None else cpu_count() or 1
+    if workers < 1:
+        raise InputError(f"--workers must be 1 or more, got {workers}")
+    jobs = _jobs(arguments, workers)
+    folder = Path(arguments.output)
+    runner.check_folder(folder, arguments.resume)
+    atomic.remove_leftovers(folder)
+    try:
+        with _Display(len(jobs)) as display:
+            records = runner.run_all(
+                jobs,
+                display.add,
+                resume=arguments.resume,
+                worker_count=workers,
+                scheduler=arguments.scheduler,
+            )
+        manifest = runner.write_manifest(folder, records, arguments.manifest)
+    except atomic.DiskFullError as error:
+        print(f"spheroseg batch: {error.strerror} with --resume", file=sys.stderr)
+        return 1
+    failed = sum(record["status"] != "done" for record in records)
+    print(f"{len(records) - failed} of {len(records)} meshes done; {manifest}")
+    return 1 if failed else 0
+
+
+def _jobs(arguments, workers: int) -> list[Job]:
+    options = api.segment_parameters(segment_options(arguments))
+    # Several meshes at a time use the cores better than several threads on one mesh.
+    threads = options.pop("thread_count", None)
+    if threads is None:
+        threads = 1 if arguments.scheduler else max(1, (cpu_count() or 1) // workers)
+    formats = tuple(f".{name}" for name in arguments.formats.split(","))
+    for name in formats:
+        if name[1:] not in FORMATS:
+            raise InputError(f"--formats knows {', '.join(FORMATS)}, but not '{name[1:]}'")
+    versions = {"spheroseg": __version__, "pymeshlab": version("pymeshlab")}
+    return [
+        Job(
+            mesh=str(source.mesh.absolute()),
+            name=source.name,
+            folder=str(Path(arguments.output).absolute()),
+            options=_own_options(options, source.submesh_count),
+            formats=formats,
+            version=versions,
+            thread_count=threads,
+        )
+        for source in inputs.collect(arguments.inputs)
+    ]
+
+
+def _own_options(options: dict, submesh_count: int | None) -> dict:
+    if submesh_count is None:
+        return options
+    others = {name: v for name, v in options.items() if name != "triangles_per_submesh"}
+    return others | {"submesh_count": submesh_count}
+
+
+class _Display:
+    """A bar with the time left on a terminal's stderr; a line per failure in any case."""
+
+    def __init__(self, total: int):
+        columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        columns = [TextColumn(c) if isinstance(c, str) else c for c in columns]
+        self.console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self.progress = Progress(
+            *columns, console=self.console, disable=not self.console.is_terminal
+        )
+        self.task = self.progress.add_task("Segmenting", total=total)
+
+    def __enter__(self):
+        self.progress.start()
+        return self
+
+    def __exit__(self, *_):
+        self.progress.stop()
+
+    def add(self, record: dict) -> None:
+        if record["status"] != "done":
+            self.console.print(f"failed: {record['mesh']}: {record['error']}", markup=False)
+        self.progress.advance(self.task)

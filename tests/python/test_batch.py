@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import contextlib
+import csv
+import hashlib
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pytest
+from shapes import bumpy_sphere, octahedron
+
+import spheroseg
+from spheroseg.batch import inputs, jobs
+from spheroseg.cli import main
+from spheroseg.errors import InputError
+from spheroseg.ply import ply_bytes
+
+GOOD, BROKEN = 60, 3
+
+
+def write_mesh(path: Path, seed: int = 0, levels: int = 2) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(ply_bytes(*bumpy_sphere(levels, seed)))
+
+
+@pytest.fixture(scope="module")
+def folder_of_meshes(tmp_path_factory) -> Path:
+    """Sixty closed meshes and three broken ones: no mesh file, an open one, a truncated one."""
+    folder = tmp_path_factory.mktemp("meshes")
+    for index in range(GOOD):
+        write_mesh(folder / f"part{index % 4}" / f"mesh{index:02d}.ply", seed=index)
+    (folder / "part0" / "nonsense.ply").write_text("no mesh")
+    vertices, faces = octahedron()
+    (folder / "part1" / "open.ply").write_bytes(ply_bytes(vertices, faces[:-1]))
+    whole = ply_bytes(*bumpy_sphere(2, 0))
+    (folder / "part2" / "cut.ply").write_bytes(whole[: len(whole) // 2])
+    return folder
+
+
+def start_batch(*arguments) -> subprocess.Popen:
+    package = Path(spheroseg.__file__).parents[1]
+    return subprocess.Popen(
+        [sys.executable, "-m", "spheroseg", "batch", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=dict(os.environ, PYTHONPATH=str(package)),
+    )
+
+
+def run_batch(*arguments) -> tuple[int, str, str]:
+    process = start_batch(*arguments)
+    said, complained = process.communicate()
+    return process.returncode, said, complained
+
+
+@pytest.fixture(scope="module")
+def undisturbed(folder_of_meshes, tmp_path_factory) -> tuple[Path, str]:
+    output = tmp_path_factory.mktemp("undisturbed") / "out"
+    code, said, complained = run_batch(folder_of_meshes, "-o", output, "-k", 5)
+    assert code == 1
+    assert f"{GOOD} of {GOOD + BROKEN} meshes done" in said
+    return output, complained
+
+
+def rows(output: Path) -> list[dict[str, str]]:
+    with (output / "manifest.csv").open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def record_count(output: Path) -> int:
+    return sum(1 for _ in (output / jobs.RECORD_FOLDER).rglob("[!.]*.json"))
+
+
+def wait_for_records(output: Path, count: int, process: subprocess.Popen) -> None:
+    while record_count(output) < count:
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.02)
+
+
+def test_broken_meshes_cost_one_line_each_and_the_others_are_done(undisturbed):
+    output, complained = undisturbed
+    lines = complained.strip().splitlines()
+    assert len(lines) == BROKEN
+    assert [name in complained for name in ("nonsense.ply", "open.ply", "cut.ply")] == [True] * 3
+    status = [row["status"] for row in rows(output)]
+    assert (status.count("done"), status.count("failed")) == (GOOD, BROKEN)
+    assert all(row["error"] for row in rows(output) if row["status"] == "failed")
+
+
+def test_manifest_tells_the_truth_about_each_result(undisturbed):
+    output, _ = undisturbed
+    for row in [row for row in rows(output) if row["status"] == "done"][::7]:
+        result = output / row["outputs"]
+        assert hashlib.sha256(result.read_bytes()).hexdigest() == row["output_sha256"]
+        source = Path(row["mesh"]).read_bytes()
+        assert hashlib.sha256(source).hexdigest() == row["input_sha256"]
+        meshes = pymeshlab.MeshSet()
+        meshes.load_new_mesh(str(result))
+        labels = meshes.current_mesh().face_scalar_array().astype(int)
+        counts = np.bincount(labels)
+        assert len(counts) == int(row["submesh_count"]) == 5
+        assert counts.max() - counts.min() == int(row["max_triangle_count_difference"]) == 1
+        vertices, faces = meshes.current_mesh().vertex_matrix(), meshes.current_mesh().face_matrix()
+        measures = spheroseg.measure(vertices, faces, labels)
+        assert measures["boundary_edge_count"] == int(row["boundary_edge_count"])
+        assert meshes.current_mesh().has_face_color()
+
+
+def test_killed_and_resumed_run_gives_the_manifest_of_an_undisturbed_one(
+    folder_of_meshes, undisturbed, tmp_path
+):
+    output = tmp_path / "out"
+    process = start_batch(folder_of_meshes, "-o", output, "-k", 5, "--workers", 2)
+    enough = random.randrange(1, GOOD // 2)
+    wait_for_records(output, enough, process)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    finished = {
+        path: path.stat().st_mtime_ns
+        for path in (output / jobs.RECORD_FOLDER).rglob("[!.]*.json")
+        if json.loads(path.read_text())["status"] == "done"
+    }
+    assert len(finished) < GOOD
+    assert not (output / "manifest.csv").exists()
+
+    code, _, _ = run_batch(folder_of_meshes, "-o", output, "-k", 5, "--resume")
+    assert code == 1
+    assert (output / "manifest.csv").read_bytes() == (undisturbed[0] / "manifest.csv").read_bytes()
+    assert {path: path.stat().st_mtime_ns for path in finished} == finished
+    assert not list(output.rglob("*.spheroseg-part"))
+
+
+def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
+    for index in range(5):
+        write_mesh(tmp_path / "in" / f"mesh{index}.ply", seed=index)
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "--workers", "2"]
+    assert main([*arguments, "-k", "4"]) == 0
+    before = {p.name: p.stat().st_mtime_ns for p in (output / jobs.RECORD_FOLDER).iterdir()}
+    write_mesh(tmp_path / "in" / "mesh1.ply", seed=99)
+    (output / "mesh2.ply").unlink()
+    (output / "mesh3.ply").write_bytes(b"damaged")
+    assert main([*arguments, "-k", "4", "--resume"]) == 0
+    after = {p.name: p.stat().st_mtime_ns for p in (output / jobs.RECORD_FOLDER).iterdir()}
+    assert {name for name in before if before[name] != after[name]} == {
+        "mesh1.json",
+        "mesh2.json",
+        "mesh3.json",
+    }
+    # Other settings make every result another one.
+    assert main([*arguments, "-k", "6", "--resume"]) == 0
+    assert {row["submesh_count"] for row in rows(output)} == {"6"}
+
+
+def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "3"]
+    assert main(arguments) == 0
+    assert main(arguments) == 2
+    assert "add --resume" in capsys.readouterr().err
+
+
+def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
+    write_mesh(tmp_path / "data" / "a.ply")
+    write_mesh(tmp_path / "data" / "b.ply", seed=1)
+    (tmp_path / "list.csv").write_text(
+        "mesh,submesh_count\ndata/a.ply,3\ndata/a.ply,8\ndata/b.ply,\n"
+    )
+    output = tmp_path / "out"
+    code = main(
+        ["batch", str(tmp_path / "list.csv"), "-o", str(output), "-k", "5"]
+        + ["--formats", "ply,npy,npz,glb", "--manifest", "parquet"]
+    )
+    assert code == 0
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = parquet.read_table(output / "manifest.parquet").to_pydict()
+    assert table["submesh_count"] == [3, 8, 5]
+    for name, count in (("a-k3", 3), ("a-k8", 8), ("b", 5)):
+        assert len(np.unique(np.load(output / f"{name}.npy"))) == count
+        with np.load(output / f"{name}.npz") as arrays:
+            assert len(arrays["vertex_starts"]) == count + 1
+        assert (output / f"{name}.glb").read_bytes()[:4] == b"glTF"
+
+
+def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("mounting a small disk needs root")
+    try:
+        for index in range(6):
+            write_mesh(tmp_path / "in" / f"mesh{index}.ply", seed=index, levels=4)
+        code, _, complained = run_batch(tmp_path / "in", "-o", disk / "out", "-k", 4)
+        assert code == 1
+        lines = complained.strip().splitlines()
+        assert len(lines) == 1
+        assert "no room left on the disk for" in lines[0]
+        assert "--resume" in lines[0]
+        assert not list(disk.rglob("*.spheroseg-part"))
+        for record in (disk / "out" / jobs.RECORD_FOLDER).glob("*.json"):
+            for file, digest in json.loads(record.read_text())["outputs"].items():
+                assert jobs.sha256(disk / "out" / file) == digest
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+@contextlib.contextmanager
+def dask(*arguments):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "dask", *map(str, arguments)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env=dict(os.environ, PYTHONPATH=str(Path(spheroseg.__file__).parents[1])),
+        start_new_session=True,
+    )
+    try:
+        yield process
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+def wait_until(condition, seconds: float = 60) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)
+
+
+def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    address_file = tmp_path / "scheduler.json"
+    output = tmp_path / "out"
+    part = folder_of_meshes / "part1"  # fifteen good meshes and the open one
+    worker = ("worker", "--scheduler-file", address_file, "--nthreads", 1, "--no-dashboard")
+    scheduler = ("scheduler", "--port", 0, "--scheduler-file", address_file, "--no-dashboard")
+    with dask(*scheduler), dask(*worker) as first, dask(*worker):
+        wait_until(address_file.exists)
+        address = json.loads(address_file.read_text())["address"]
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+        process = start_batch(part, "-o", output, "-k", 5, "--scheduler", address)
+        wait_for_records(output, 3, process)
+        os.killpg(first.pid, signal.SIGKILL)
+        said, _ = process.communicate(timeout=120)
+    assert "15 of 16 meshes done" in said
+    expected = [row for row in rows(undisturbed[0]) if "/part1/" in row["mesh"]]
+    for row in expected:
+        row["outputs"] = row["outputs"].removeprefix("part1/")
+    assert rows(output) == expected
+
+
+def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
+    pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out")]
+    assert main([*arguments, "--scheduler", "carrier-pigeon"]) == 2
+    said = capsys.readouterr().err
+    assert "no Dask scheduler answers at carrier-pigeon" in said
+    assert said.count("\n") == 1
+
+
+def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypatch):
+    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
+    dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: dead)
+    record = jobs.run_job(job)
+    assert record["status"] == "failed"
+    assert "signal 11" in record["error"]
+    assert json.loads(job.record_path().read_text()) == record
+
+
+def test_folder_glob_and_file_name_each_mesh_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("deep/er/a.ply", "deep/b.OBJ", "c.off", "notes.txt"):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    found = inputs.collect(["deep", "*.off", "c.off", "deep/er/a.ply"])
+    assert [(str(s.mesh), s.name) for s in found] == [
+        ("deep/b.OBJ", "b"),
+        ("deep/er/a.ply", "er/a"),
+        ("c.off", "c"),
+    ]
+
+
+def test_meshes_that_differ_in_suffix_get_different_names(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a.ply", "a.obj", "b.ply"):
+        (tmp_path / name).touch()
+    assert [s.name for s in inputs.collect(["."])] == ["a_obj", "a_ply", "b"]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("file\na.ply\n", "must have a column 'mesh', but has file"),
+        ("mesh,k\na.ply,0\n", "line 2: expected a whole number above 0, found '0'"),
+        ("mesh,k\na.ply,many\n", "found 'many'"),
+        ("mesh\n", "names no mesh file"),
+    ],
+)
+def test_wrong_csv_is_refused_with_the_reason(content, message, tmp_path):
+    path = tmp_path / "list.csv"
+    path.write_text(content)
+    with pytest.raises(InputError, match=message):
+        inputs.collect([str(path)])
+
+
+def test_two_files_for_one_result_are_refused(tmp_path):
+    for folder in ("one", "two"):
+        write_mesh(tmp_path / folder / "a.ply")
+    with pytest.raises(InputError, match="would both be written as 'a_ply'"):
+        inputs.collect([str(tmp_path / "one" / "a.ply"), str(tmp_path / "two" / "a.ply")])
