@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package as pip builds it has the plugin inside."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_wheel_holds_the_package_the_plugin_and_the_command(tmp_path):
+    built = subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-w", tmp_path]
+        + [str(ROOT)],
+        capture_output=True,
+        text=True,
+    )
+    assert built.returncode == 0, built.stderr
+    (wheel,) = tmp_path.glob("spheroseg-*-py3-none-*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        commands = next(name for name in names if name.endswith("entry_points.txt"))
+        assert "spheroseg=spheroseg.cli:main" in archive.read(commands).decode().replace(" ", "")
+    assert "spheroseg/__init__.py" in names
+    assert "spheroseg/libfilter_spheroseg.so" in names
+    assert not [name for name in names if name.startswith(("tests", "filter_spheroseg"))]
