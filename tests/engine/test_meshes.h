@@ -99,6 +99,40 @@ inline TriangleMesh slivers(int split_count, bool nested = false, std::uint64_t 
     return mesh;
 }
 
+/// Icosphere after random edge flips that keep it a surface: degrees from 3 to dozens.
+inline TriangleMesh flipped_sphere(int level, int flip_count, std::uint64_t seed = 1) {
+    TriangleMesh mesh = icosphere(level);
+    Random random(seed);
+    std::map<std::pair<int, int>, int> face_of_side;
+    const auto enter = [&](int f) {
+        for (int c = 0; c < 3; ++c) {
+            face_of_side[{mesh.faces[f][c], mesh.faces[f][(c + 1) % 3]}] = f;
+        }
+    };
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        enter(f);
+    }
+    for (int i = 0; i < flip_count; ++i) {
+        const int f = random.below(mesh.face_count());
+        const int c = random.below(3);
+        const int a = mesh.faces[f][c];
+        const int b = mesh.faces[f][(c + 1) % 3];
+        const int left = mesh.faces[f][(c + 2) % 3];
+        const int g = face_of_side[{b, a}];
+        const Triangle& t = mesh.faces[g];
+        const int right = t[0] + t[1] + t[2] - a - b;
+        if (face_of_side.count({left, right}) == 0) {
+            face_of_side.erase({a, b});
+            face_of_side.erase({b, a});
+            mesh.faces[f] = {a, right, left};
+            mesh.faces[g] = {b, left, right};
+            enter(f);
+            enter(g);
+        }
+    }
+    return mesh;
+}
+
 /// Closed manifold of genus 1: 2 * around * across faces.
 inline TriangleMesh torus(int around, int across) {
     TriangleMesh mesh;
@@ -151,6 +185,7 @@ inline std::vector<NamedMesh> genus_zero_meshes() {
             {"needle", long_thin_limb(3, 500)},
             {"bipyramid", bipyramid(500)},
             {"three-sided bipyramid", bipyramid(3)},
+            {"flipped sphere", flipped_sphere(4, 30000)},
             {"slivers", slivers(1000)},
             {"nested slivers", slivers(300, true)}};
 }
