@@ -26,10 +26,11 @@ bool has_closed_fan(const CollapseMesh& mesh, int v) {
     return false;
 }
 
-/// True when collapsing the star with this ring into ring[t] makes no edge that exists already.
+/// True when collapsing the star with this ring into ring[t] makes no edge that exists already, and
+/// the surface is not a tetrahedron: the one where two vertices of degree three are neighbours.
 bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int degree, int t) {
     if (degree == 3) {
-        return true;
+        return mesh.vertices[ring[t]].degree > 3;
     }
     const int before = ring[(t + degree - 1) % degree];
     const int after = ring[(t + 1) % degree];
@@ -85,15 +86,16 @@ void plan_star(CollapseMesh& mesh, CollapseRound& round, int i) {
     round.target[i] = ring[0];
 }
 
-/// True when a collapse of smaller key makes an edge that collapse i would make too. Both removed
-/// vertices are then neighbours of both ends of that edge, so the target's ring shows them.
+/// True when a collapse of smaller key makes an edge that collapse i would make too: both removed
+/// vertices are then neighbours of both ends of that edge, so the target's ring shows them. Also
+/// when i and it remove the two apexes over one triangle, between which nothing would be left.
 bool loses_conflict(const CollapseMesh& mesh,
                     const CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,
                     int i) {
     const int t = round.target[i];
     const int degree = round.star_begin[i + 1] - round.star_begin[i];
-    if (t < 0 || degree == 3) {
+    if (t < 0) {
         return false;
     }
     // The new edges lead from the target to the ring but for its first, second and last vertex.
@@ -105,9 +107,11 @@ bool loses_conflict(const CollapseMesh& mesh,
             return true;
         }
         const int other_target = round.target[other];
-        if (other_target == t) {
-            const int* const begin = &round.ring_vertices[round.star_begin[other]];
-            const int* const end = begin + round.star_begin[other + 1] - round.star_begin[other];
+        const int* const begin = &round.ring_vertices[round.star_begin[other]];
+        const int* const end = begin + round.star_begin[other + 1] - round.star_begin[other];
+        if (degree == 3) {
+            loses = end - begin == 3 && std::is_permutation(begin, end, ring);
+        } else if (other_target == t) {
             loses = std::find_first_of(begin, end, ring + 2, ring + degree - 1) != end;
         } else {
             loses = std::find(ring + 2, ring + degree - 1, other_target) != ring + degree - 1;

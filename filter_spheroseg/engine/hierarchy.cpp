@@ -14,9 +14,6 @@ namespace {
 
 constexpr int kSerialSize = 4000;
 constexpr int kSelectionPasses = 2;
-/// With more vertices than this, a round of independent collapses leaves at least five: m vertices
-/// span 2 m - 4 faces, each of which holds at most one removed vertex of degree three.
-constexpr int kParallelVertexCount = 8;
 
 /// Which vertices a round may remove. Looser after a round that removed few.
 struct Limits {
@@ -164,18 +161,6 @@ void Builder::cover_neighbors() {
 /// Puts an independent set of vertices into the round.
 void Builder::select_vertices() {
     round_.vertex.clear();
-    if (static_cast<int>(alive_.size()) <= kParallelVertexCount) {
-        int best = -1;
-        for (int v : alive_) {
-            if (states_[v] == kOpen && (best < 0 || keys_[v] < keys_[best])) {
-                best = v;
-            }
-        }
-        if (best >= 0) {
-            round_.vertex.push_back(best);
-        }
-        return;
-    }
     for (int pass = 0; pass < kSelectionPasses; ++pass) {
         mark_losers();
         select_winners();

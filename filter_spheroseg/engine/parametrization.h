@@ -28,18 +28,23 @@ struct ParametrizationQuality {
 /// Maps a closed manifold genus-0 mesh onto the unit sphere without flipped triangles, by
 /// re-inserting the vertices of `hierarchy` in reverse order, each where an angle-preserving
 /// distortion is least within the kernel of its ring, with smoothing between the rounds.
-/// Parallel; the result does not depend on the number of threads.
+/// Parallel, O(F log F); the result does not depend on the number of threads. The map is verified
+/// before it is returned. Throws Cancelled, and InvalidInput when the hierarchy does not end at a
+/// tetrahedron or no valid map was found.
 /// Source: Spherical Parametric Measurement for Continuous and Balanced Mesh Segmentation, sec. 5.
 Parametrization parametrize(const TriangleMesh& mesh,
                             const CollapseHierarchy& hierarchy,
                             int thread_count = 0,
                             const Progress& progress = {});
 
+/// Faces without area on the mesh have no part in the area distortion.
+/// Throws InvalidInput when the sizes differ.
 ParametrizationQuality measure_parametrization(const TriangleMesh& mesh,
                                                const std::vector<Vec3>& sphere_positions);
 
 /// True when there is one finite unit vector per referenced vertex (within 1e-4, so that single
-/// precision hosts pass) and no triangle is flipped or of zero area.
+/// precision hosts pass), no triangle is flipped or of zero area, and the triangles cover the
+/// sphere once.
 bool is_valid_parametrization(const TriangleMesh& mesh, const std::vector<Vec3>& sphere_positions);
 
 } // namespace spheroseg

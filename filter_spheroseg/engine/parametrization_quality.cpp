@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "errors.h"
 #include "orientation.h"
 #include "parametrization.h"
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 namespace spheroseg {
 
@@ -31,6 +33,12 @@ double squared_edges(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 ParametrizationQuality measure_parametrization(const TriangleMesh& mesh,
                                                const std::vector<Vec3>& sphere_positions) {
+    if (sphere_positions.size() != mesh.positions.size()) {
+        throw InvalidInput("Expected one position on the sphere for each of " +
+                           std::to_string(mesh.positions.size()) + " vertices, found " +
+                           std::to_string(sphere_positions.size()) +
+                           ". Parametrize the mesh anew.");
+    }
     ParametrizationQuality quality;
     const int face_count = mesh.face_count();
     if (face_count == 0) {

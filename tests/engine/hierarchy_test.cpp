@@ -223,6 +223,19 @@ TEST(Hierarchy, StopsOnATorusUnderTheLinkCondition) {
     EXPECT_EQ(static_cast<int>(vertices.size()) - base.face_count() / 2, 0);
 }
 
+TEST(Hierarchy, LeavesATetrahedronOfEachComponent) {
+    TriangleMesh mesh;
+    for (const auto& [name, part] : test::genus_zero_meshes()) {
+        const int offset = mesh.vertex_count();
+        mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
+        for (const Triangle& t : part.faces) {
+            mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+        }
+    }
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_EQ(hierarchy.base_faces.size(), 4 * test::genus_zero_meshes().size());
+}
+
 TEST(Hierarchy, IgnoresUnreferencedVerticesAndAcceptsNoFaces) {
     TriangleMesh mesh = test::icosphere(2);
     mesh.positions.insert(mesh.positions.begin(), 5, Vec3{9, 9, 9});

@@ -163,6 +163,7 @@ TEST(ParametrizationQuality, CountsEveryFlippedAndFlatTriangle) {
     flat[4] = flat[0];
     EXPECT_EQ(measure_parametrization(mesh, flat).flipped_triangle_count, 4);
     EXPECT_EQ(measure_parametrization(mesh, flat).min_triangle_area, 0.0);
+    EXPECT_THROW(measure_parametrization(mesh, {}), InvalidInput);
 }
 
 TEST(ParametrizationQuality, AreaDistortionComparesSharesOfTheArea) {
