@@ -7,13 +7,10 @@ from pathlib import Path
 
 import pymeshlab
 
-from spheroseg.errors import PluginError
+from spheroseg.errors import InputError, PluginError
+from spheroseg.install import PLUGIN_FILE, plugin_host
 
-PLUGIN_FILE = "libfilter_spheroseg.so"
 PLUGIN_VARIABLE = "SPHEROSEG_PLUGIN"
-
-# Written into the plugin by filter_spheroseg.cpp; lets an unloadable plugin say what it is for.
-_HOST_MARKER = re.compile(rb"SpheroSeg built for MeshLab (\S+) \((\w+)\)")
 
 FILTERS = {
     "compute_scalar_by_balanced_segmentation_per_face": """\
@@ -85,6 +82,16 @@ def load_plugin() -> Path:
     return path
 
 
+def forget_failed_call() -> None:
+    """To be called after PyMeshLab has thrown, while the MeshSet of the failed call still exists.
+
+    PyMeshLab keeps a pointer to the log of a MeshSet whose call has failed, and the next file that
+    is loaded writes there, when that MeshSet may be long gone: a crash (its issues 384 and 399).
+    Any filter that succeeds resets the pointer.
+    """
+    pymeshlab.MeshSet().apply_filter("create_cube")
+
+
 def _loaded_filters() -> list[str]:
     present = set(pymeshlab.filter_list())
     return [name for name in FILTERS if name in present]
@@ -92,8 +99,12 @@ def _loaded_filters() -> list[str]:
 
 def _bound_filter(name: str):
     def filter_method(self, **parameters):
-        # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
-        return self.apply_filter(name, **parameters) or None
+        try:
+            # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
+            return self.apply_filter(name, **parameters) or None
+        except pymeshlab.PyMeshLabException:
+            forget_failed_call()
+            raise
 
     filter_method.__name__ = name
     filter_method.__qualname__ = f"MeshSet.{name}"
@@ -105,15 +116,6 @@ def _running_release() -> str:
     return str(pymeshlab.pmeshlab.__version__)
 
 
-def _built_for(path: Path) -> tuple[str, str] | None:
-    """MeshLab release (such as 2025.07) and scalar type that the plugin was built for."""
-    found = _HOST_MARKER.search(path.read_bytes())
-    if found is None:
-        return None
-    release, scalar = (part.decode() for part in found.groups())
-    return re.match(r"[\d.]+", release)[0], scalar
-
-
 def _meshlab_release(pymeshlab_release: str) -> str:
     """PyMeshLab 2025.7.post1 -> the MeshLab release 2025.07 inside it."""
     year, month = re.match(r"(\d+)\.(\d+)", pymeshlab_release).groups()
@@ -121,22 +123,23 @@ def _meshlab_release(pymeshlab_release: str) -> str:
 
 
 def _check_host(path: Path) -> None:
-    built_for = _built_for(path)
-    if built_for is None:
-        return
-    release, scalar = built_for
+    try:
+        host = plugin_host(path)
+    except InputError as error:
+        raise PluginError(str(error)) from None
     running = _meshlab_release(_running_release())
-    if release != running:
-        year, month = release.split(".")[:2]
+    if host.release != running:
+        year, month = host.release.split(".")
+        wanted = f"{year}.{int(month)}"
         raise PluginError(
-            f"The plugin {path} was built for PyMeshLab {year}.{int(month)} (MeshLab {release}), "
-            f"but PyMeshLab {_running_release()} (MeshLab {running}) is installed. Install "
-            f"pymeshlab {year}.{int(month)}, or build the plugin again for this release."
+            f"The plugin {path} was built for PyMeshLab {wanted} (MeshLab {host.release}), but "
+            f"PyMeshLab {_running_release()} (MeshLab {running}) is installed. Install pymeshlab "
+            f"{wanted}, or build the plugin again for this release."
         )
-    if scalar != "double":
+    if host.scalar != "double":
         raise PluginError(
-            f"The plugin {path} was built in {scalar} precision, for the MeshLab application; "
-            "PyMeshLab needs one in double precision (`make plugin`)."
+            f"The plugin {path} was built for {host}; PyMeshLab needs one in double precision "
+            "(`make plugin`)."
         )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pymeshlab
 from numpy.typing import ArrayLike
 
-from spheroseg._plugin import load_plugin
+from spheroseg._plugin import forget_failed_call, load_plugin
 from spheroseg.arrays import as_faces, as_labels, as_vertices
 from spheroseg.errors import InputError
 
@@ -132,6 +132,7 @@ def run_filter(mesh_set: pymeshlab.MeshSet, name: str, **parameters: Any) -> dic
     try:
         measures = mesh_set.apply_filter(name, **parameters)
     except pymeshlab.PyMeshLabException as error:
+        forget_failed_call()
         raise InputError(_filter_message(str(error))) from None
     return {
         key: np.asarray(value).ravel() if isinstance(value, np.ndarray) else value
@@ -178,6 +179,5 @@ def _mesh_set(vertices: np.ndarray, faces: ArrayLike) -> pymeshlab.MeshSet:
 
 def _filter_message(message: str) -> str:
     """What the filter said, without the frame that PyMeshLab puts around it."""
-    return re.sub(
-        r"^.*?Failed to apply filter:[^\n]*\s*(Details:)?", "", message, flags=re.S
-    ).strip()
+    framed = re.match(r"Failed to apply filter:\s*'?\w+\.?\s*(?:Details:)?(.*)", message, re.DOTALL)
+    return (framed[1] if framed else message).strip()

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 
+from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
 
 _HEADER_BYTES = 65536
@@ -27,6 +28,7 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     try:
         mesh_set.load_new_mesh(str(path))
     except pymeshlab.PyMeshLabException as error:
+        forget_failed_call()
         raise InputError(f"{path}: PyMeshLab can not read it: {_reason(str(error))}") from None
     face_count = mesh_set.current_mesh().face_number()
     declared = declared_face_count(path)
@@ -70,6 +72,7 @@ def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
             save_face_quality=mesh.has_face_scalar(),
         )
     except pymeshlab.PyMeshLabException as error:
+        forget_failed_call()
         raise InputError(f"{path}: can not be written: {_reason(str(error))}") from None
 
 

@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The commands segment, parametrize and measure, and how the command line reports errors."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pymeshlab
+import pytest
+import recount
+from conftest import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
+
+import spheroseg
+from spheroseg import cli, mesh_files
+
+FEW = ["--max-cohesion-iterations", "2", "--max-refinement-iterations", "1"]
+LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
+CUBE = SAMPLE_FOLDER / "cube.obj"
+
+
+def run_process(*arguments, **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "spheroseg", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **environment},
+    )
+
+
+@pytest.fixture
+def run(capsys):
+    """Runs the command line in this process: (exit code, stdout, stderr)."""
+
+    def call(*arguments):
+        try:
+            code = cli.main([str(argument) for argument in arguments])
+        except SystemExit as stop:
+            code = stop.code
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def test_the_program_writes_what_it_was_asked_for_and_prints_the_measures(tmp_path):
+    paths = [tmp_path / name for name in ("out.ply", "labels.txt", "out.json")]
+    done = run_process(
+        "segment", LEAF, "-k", 30, *FEW, "-o", paths[0], "--labels", paths[1], "--json", paths[2]
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "boundary_edge_count" in done.stdout
+    assert all(path.stat().st_size > 0 for path in paths)
+
+
+def test_mesh_labels_and_json_agree_and_keep_the_files_order(run, tmp_path):
+    out, labels_path, json_path = (tmp_path / name for name in ("o.ply", "l.npy", "m.json"))
+    code, shown, errors = run(
+        "segment", LEAF, "-k", "37", *FEW, "-o", out, "--labels", labels_path, "--json", json_path
+    )
+    assert (code, errors) == (0, "")
+    labels = np.load(labels_path)
+    assert labels.dtype == np.int32
+    vertices, faces = load_arrays(LEAF)
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(out))
+    mesh = mesh_set.current_mesh()
+    assert np.array_equal(mesh.face_matrix(), faces)
+    assert np.array_equal(mesh.vertex_matrix(), vertices)
+    assert np.array_equal(mesh.face_scalar_array(), labels)
+    colours = mesh.face_color_matrix()
+    assert len(np.unique(colours, axis=0)) > 3
+    report = json.loads(json_path.read_text())
+    expected = recount.measures(faces, labels)
+    for key in expected.keys() - {"submesh_triangles"}:
+        assert np.isclose(report[key], expected[key]), key
+    assert report["mesh"] == str(LEAF)
+    iterations = report["cohesion_iterations"] + report["refinement_iterations"]
+    assert len(report["energy_by_iteration"]) == iterations
+    assert str(report["boundary_edge_count"]) in shown
+
+
+def test_measure_counts_the_same_from_the_mesh_and_from_either_file_of_labels(run, tmp_path):
+    out, text = tmp_path / "o.ply", tmp_path / "l.txt"
+    assert run("segment", LEAF, "-k", "9", *FEW, "-o", out, "--labels", text, "-q")[0] == 0
+    labels = np.loadtxt(text, dtype=int)
+    np.save(tmp_path / "l.npy", labels)
+    reports = []
+    for arguments in ([out], [LEAF, "--labels", text], [LEAF, "--labels", tmp_path / "l.npy"]):
+        path = tmp_path / "m.json"
+        assert run("measure", *arguments, "--json", path, "-q") == (0, "", "")
+        reports.append(json.loads(path.read_text()))
+        del reports[-1]["mesh"]
+    assert reports[0] == reports[1] == reports[2]
+    expected = recount.measures(load_arrays(LEAF)[1], labels)
+    assert reports[0]["boundary_edge_count"] == expected["boundary_edge_count"]
+    assert reports[0]["submesh_triangles"] == expected["submesh_triangles"].tolist()
+
+
+def test_parametrize_writes_a_sphere_with_the_same_triangles(run, tmp_path):
+    sphere, json_path = tmp_path / "s.ply", tmp_path / "s.json"
+    code, _, errors = run("parametrize", LEAF, "-o", sphere, "--json", json_path)
+    assert (code, errors) == (0, "")
+    positions, faces = load_arrays(sphere)
+    assert np.array_equal(faces, load_arrays(LEAF)[1])
+    assert np.abs(np.linalg.norm(positions, axis=1) - 1).max() < 1e-12
+    assert recount.flipped_triangle_count(positions, faces) == 0
+    assert json.loads(json_path.read_text())["flipped_triangle_count"] == 0
+
+
+@pytest.mark.parametrize("path", PYMESHLAB_MESHES, ids=lambda path: path.name)
+def test_segments_the_meshes_that_ship_with_pymeshlab(run, tmp_path, path):
+    # One iteration each: all_pairs costs O(F^2) per iteration.
+    json_path, labels_path = tmp_path / "m.json", tmp_path / "l.npy"
+    few = ["--max-cohesion-iterations", "1", "--max-refinement-iterations", "1"]
+    code, _, errors = run(
+        "segment", path, "-k", "200", *few, "--json", json_path, "--labels", labels_path
+    )
+    assert (code, errors) == (0, "")
+    report = json.loads(json_path.read_text())
+    assert report["max_triangle_count_difference"] <= 1
+    assert report["submesh_count"] == 200
+    counts = np.bincount(np.load(labels_path))
+    assert counts.sum() == mesh_files.declared_face_count(path) == report["triangle_count"]
+    assert (counts.min(), counts.max()) == (
+        report["min_submesh_triangles"],
+        report["max_submesh_triangles"],
+    )
+
+
+def test_vertices_at_one_place_are_not_merged():
+    mesh = mesh_files.read_mesh(PYMESHLAB_MESHES[0])
+    vertices = mesh.current_mesh().vertex_matrix()
+    assert len(vertices) == 2904
+    assert len(np.unique(vertices, axis=0)) == 2903
+
+
+@pytest.mark.parametrize("suffix", ["off", "obj", "ply", "stl"])
+def test_every_usual_format_is_read_with_its_triangles_in_order(run, tmp_path, suffix):
+    path, labels = tmp_path / f"leaf.{suffix}", tmp_path / "l.npy"
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(LEAF))
+    mesh_set.save_current_mesh(str(path))
+    assert run("segment", path, "-k", "5", *FEW, "--labels", labels, "-q") == (0, "", "")
+    read_vertices, read_faces = load_arrays(path)
+    vertices, faces = load_arrays(LEAF)
+    assert np.allclose(read_vertices[read_faces], vertices[faces], atol=1e-5)
+    assert np.bincount(np.load(labels)).tolist() == [256] * 5
+
+
+def test_triangles_per_submesh_gives_the_ceiling(run, tmp_path):
+    path = tmp_path / "m.json"
+    code, *_ = run("segment", LEAF, "--triangles-per-submesh", "300", *FEW, "--json", path)
+    assert code == 0
+    assert json.loads(path.read_text())["submesh_count"] == 5
+
+
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_every_command_has_its_own_help(run, command):
+    code, shown, errors = run(command, "--help")
+    assert (code, errors) == (0, "")
+    assert shown.startswith(f"usage: spheroseg {command}")
+
+
+def test_the_help_names_every_command(run):
+    code, shown, _ = run("--help")
+    assert code == 0
+    assert all(command in shown for command in cli.COMMANDS)
+
+
+def test_the_version_is_the_packages(run):
+    assert run("--version")[:2] == (0, f"spheroseg {spheroseg.__version__}\n")
+
+
+def cube_text(old="", new=""):
+    return CUBE.read_text().replace(old, new, 1)
+
+
+BAD_FILES = {
+    "nan.obj": cube_text("v 1 0 0", "v 1 nan 0"),
+    "twice.obj": cube_text() + "f 1 1 2\n",
+    "index.obj": cube_text() + "f 1 2 99\n",
+    "hole.obj": cube_text().rsplit("f ", 1)[0],
+    "points.obj": cube_text().split("f ")[0],
+    "garbage.ply": "hello",
+    "short.txt": "0\n1\n",
+    "words.txt": "a\n" * 12,
+    "halves.txt": "0.5\n" * 12,
+    "negative.txt": "-1\n" * 12,
+    "broken.npy": "hello",
+}
+
+# Name: (arguments, what the line on stderr must hold). Runs where BAD_FILES are.
+BAD_CALLS = {
+    "no command": ([], "a command is missing"),
+    "unknown command": (["cut"], "invalid choice: 'cut'"),
+    "no mesh": (["segment"], "required: MESH"),
+    "k no number": (["segment", CUBE, "-k", "many"], "invalid int value: 'many'"),
+    "k zero": (["segment", CUBE, "-k", "0"], "submesh_count"),
+    "k negative": (["segment", CUBE, "-k", "-3"], "-3"),
+    "k above F": (["segment", CUBE, "-k", "13"], "13"),
+    "two counts": (["segment", CUBE, "-k", "3", "--triangles-per-submesh", "2"], "not allowed"),
+    "unknown option": (["segment", CUBE, "--fast"], "--fast"),
+    "method": (["segment", CUBE, "--method", "best"], "invalid choice: 'best'"),
+    "time limit": (["segment", CUBE, "--time-limit", "nan"], "must be finite, got nan"),
+    "threads": (["segment", CUBE, "--threads", "-2"], "-2"),
+    "no file": (["segment", "none.ply"], "none.ply: no such file"),
+    "folder": (["segment", "."], "no such file"),
+    "garbage": (["segment", "garbage.ply"], "can not read it"),
+    "NaN": (["segment", "nan.obj"], "not finite (NaN)"),
+    "corner twice": (["segment", "twice.obj"], "1 of its 13 faces can not be used"),
+    "missing vertex": (["segment", "index.obj"], "1 of its 13 faces can not be used"),
+    "no faces": (["segment", "points.obj"], "has no faces"),
+    "hole": (["segment", "hole.obj"], "3 open border edges"),
+    "hole, sphere": (["parametrize", "hole.obj", "-o", "s.ply"], "3 open border edges"),
+    "output name": (["segment", CUBE, "-o", "o.txt"], "must end in .ply"),
+    "output folder": (["segment", CUBE, "-o", "no/o.ply"], "there is no folder"),
+    "label name": (["segment", CUBE, "--labels", "l.csv"], ".npy or .txt"),
+    "no output": (["parametrize", CUBE], "required: -o"),
+    "no labels": (["measure", CUBE], "has no labels"),
+    "label file": (["measure", CUBE, "--labels", "none.npy"], "no such file"),
+    "label count": (["measure", CUBE, "--labels", "short.txt"], "12, got 2"),
+    "label words": (["measure", CUBE, "--labels", "words.txt"], "is no file of labels"),
+    "label halves": (["measure", CUBE, "--labels", "halves.txt"], "(0,) is 0.5"),
+    "label negative": (["measure", CUBE, "--labels", "negative.txt"], "face 0 has -1"),
+    "label npy": (["measure", CUBE, "--labels", "broken.npy"], "is no file of labels"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_CALLS)
+def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypatch, case):
+    monkeypatch.chdir(tmp_path)
+    for name, text in BAD_FILES.items():
+        (tmp_path / name).write_text(text)
+    arguments, message = BAD_CALLS[case]
+    code, shown, errors = run(*arguments)
+    assert code == 2
+    assert shown == ""
+    assert errors.count("\n") == 1
+    assert message in errors
+    assert errors.startswith("spheroseg")
+
+
+@pytest.mark.parametrize("arguments", [["segment", CUBE, "-k", 13], ["segment", "none.ply"], []])
+def test_the_program_itself_ends_with_exit_code_2_and_no_traceback(arguments):
+    done = run_process(*arguments)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "Traceback" not in done.stderr
+
+
+def test_a_refused_mesh_leaves_no_output(run, tmp_path):
+    hole = tmp_path / "hole.obj"
+    hole.write_text(BAD_FILES["hole.obj"])
+    outputs = [tmp_path / name for name in ("o.ply", "l.npy", "m.json")]
+    code, *_ = run("segment", hole, "-o", outputs[0], "--labels", outputs[1], "--json", outputs[2])
+    assert code == 2
+    assert not any(path.exists() for path in outputs)

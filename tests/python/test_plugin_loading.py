@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the package finds the plugin, and what it says when the plugin does not fit."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import REPOSITORY
+
+import spheroseg
+from spheroseg.install import PLUGIN_FILE
+
+
+def run_python(*arguments, **environment):
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **environment},
+    )
+
+
+@pytest.fixture(scope="module")
+def other_release(tmp_path_factory):
+    """The plugin, marked as one for an older release."""
+    path = tmp_path_factory.mktemp("other") / PLUGIN_FILE
+    built = spheroseg.plugin_path().read_bytes()
+    assert b"MeshLab 2025.07d" in built
+    path.write_bytes(built.replace(b"MeshLab 2025.07d", b"MeshLab 2023.12d"))
+    return path
+
+
+def test_the_environment_variable_comes_first(monkeypatch, tmp_path):
+    copy = shutil.copy(spheroseg.plugin_path(), tmp_path / "mine.so")
+    monkeypatch.setenv("SPHEROSEG_PLUGIN", str(copy))
+    assert spheroseg.plugin_path() == copy
+
+
+def test_a_variable_that_names_no_file_is_an_error_that_quotes_it(monkeypatch):
+    monkeypatch.setenv("SPHEROSEG_PLUGIN", "/no/where.so")
+    with pytest.raises(spheroseg.PluginError, match="SPHEROSEG_PLUGIN names '/no/where.so'"):
+        spheroseg.plugin_path()
+
+
+def test_a_plugin_beside_the_package_comes_before_the_build_folder(tmp_path):
+    package = tmp_path / "python" / "spheroseg"
+    shutil.copytree(REPOSITORY / "python" / "spheroseg", package)
+    built = tmp_path / "build" / "plugin" / PLUGIN_FILE
+    show = ["-c", "import spheroseg; print(spheroseg.plugin_path())"]
+    environment = {"PYTHONPATH": str(tmp_path / "python"), "SPHEROSEG_PLUGIN": ""}
+
+    missing = run_python(*show, **environment)
+    assert missing.returncode == 1
+    assert "PluginError: The MeshLab plugin is not built" in missing.stderr
+    assert str(built) in missing.stderr
+
+    built.parent.mkdir(parents=True)
+    source = spheroseg.plugin_path()
+    shutil.copy(source, built)
+    assert run_python(*show, **environment).stdout.strip() == str(built)
+
+    shutil.copy(source, package)
+    assert run_python(*show, **environment).stdout.strip() == str(package / PLUGIN_FILE)
+
+
+def test_a_plugin_for_another_release_is_refused_with_both_releases(other_release):
+    run = run_python("-c", "import spheroseg", SPHEROSEG_PLUGIN=str(other_release))
+    assert run.returncode == 1
+    message = run.stderr.strip().splitlines()[-1]
+    assert "PluginError" in message
+    assert "built for PyMeshLab 2023.12 (MeshLab 2023.12)" in message
+    assert "PyMeshLab 2025.7" in message
+    assert "(MeshLab 2025.07) is installed" in message
+
+
+def test_a_plugin_in_single_precision_is_refused_with_the_reason(tmp_path):
+    path = tmp_path / PLUGIN_FILE
+    built = spheroseg.plugin_path().read_bytes()
+    path.write_bytes(built.replace(b"07d (double)", b"07d (float)\0"))
+    run = run_python("-c", "import spheroseg", SPHEROSEG_PLUGIN=str(path))
+    assert run.returncode == 1
+    assert "single precision; PyMeshLab needs one in double" in run.stderr
+
+
+@pytest.mark.parametrize("content", ["", "no library"])
+def test_a_file_that_is_no_plugin_is_refused(tmp_path, content):
+    path = tmp_path / PLUGIN_FILE
+    path.write_text(content)
+    run = run_python("-c", "import spheroseg", SPHEROSEG_PLUGIN=str(path))
+    assert run.returncode == 1
+    assert f"PluginError: {path} is not a SpheroSeg plugin" in run.stderr
+
+
+def test_the_command_line_says_it_in_one_line_and_still_shows_its_help(other_release, tmp_path):
+    environment = {"SPHEROSEG_PLUGIN": str(other_release)}
+    cube = REPOSITORY / "sample_meshes" / "cube.obj"
+    run = run_python("-m", "spheroseg", "segment", cube, **environment)
+    assert run.returncode == 2
+    assert run.stderr.count("\n") == 1
+    assert "2023.12" in run.stderr
+    assert "2025.07" in run.stderr
+    assert run_python("-m", "spheroseg", "--help", **environment).returncode == 0
+
+
+def test_importing_twice_or_loading_again_changes_nothing():
+    assert spheroseg.load_plugin() == spheroseg.plugin_path()
