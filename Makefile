@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
 .PHONY: help demo test setup setup-run plugin plugin-gui install-gui gui-root \
-	test-style test-engine test-sanitize test-plugin test-python test-gui
+	test-style test-engine test-sanitize test-plugin test-python test-gui test-hosts
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -70,3 +70,7 @@ test-python: test-plugin
 
 test-gui: gui-root plugin-gui plugin
 	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest tests/gui
+
+# Not part of `make test`: the same sources in the PyMeshLab releases before this one.
+test-hosts: setup
+	scripts/test_hosts.sh

@@ -22,7 +22,11 @@ if(NOT EXISTS ${MESHLAB_SOURCE_DIR}/src/common/plugins/interfaces/filter_plugin.
     message(FATAL_ERROR "No MeshLab headers in '${MESHLAB_SOURCE_DIR}': set MESHLAB_SOURCE_DIR to "
         "MeshLab's sources with vcglib (or run scripts/fetch_meshlab_headers.sh).")
 endif()
-file(STRINGS ${MESHLAB_SOURCE_DIR}/ML_VERSION MESHLAB_VERSION LIMIT_COUNT 1)
+if(SPHEROSEG_MESHLAB_RELEASE)
+    set(MESHLAB_VERSION ${SPHEROSEG_MESHLAB_RELEASE})
+else()
+    file(STRINGS ${MESHLAB_SOURCE_DIR}/ML_VERSION MESHLAB_VERSION LIMIT_COUNT 1)
+endif()
 if(SPHEROSEG_SCALAR STREQUAL "double")
     string(APPEND MESHLAB_VERSION "d")
 endif()

@@ -1,18 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Puts the sources of MeshLab 2025.07 (headers, vcglib included) into .cache/meshlab-2025.07.
+# Puts the sources of a MeshLab release (headers, vcglib included) into .cache/meshlab-RELEASE.
+# Usage: fetch_meshlab_headers.sh [RELEASE], default 2025.07.
 # Tried in order: $MESHLAB_SOURCE_DIR, a copy fetched before, upstream's tag, the Debian (or
 # Ubuntu) source package. Prints the folder on the last line. Nothing is done twice.
 set -euo pipefail
 
 readonly root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-readonly release=2025.07
+readonly release=${1:-2025.07}
 readonly cache="$root/.cache"
 readonly target="$cache/meshlab-$release"
 readonly upstream=https://github.com/cnr-isti-vclab/meshlab
 readonly git_seconds=60
-# The source package's tarball; upstream's files, vcglib included.
-readonly tarball_sha256=d22c98d362f2a284e481af8dbfc272b2222f5b9c67b3cf8bec57d1c3161886f4
+# The source packages that hold upstream's files, vcglib included: SHA-256 of the tarball, suites.
+case "$release" in
+2025.07)
+    readonly tarball_sha256=d22c98d362f2a284e481af8dbfc272b2222f5b9c67b3cf8bec57d1c3161886f4
+    readonly debian_suites="sid testing" ubuntu_suites="devel"
+    ;;
+2022.02)
+    readonly tarball_sha256=11da26ec46c3fbbbc806d410a3221542ec21ec13fdcc55d624304600029435fd
+    readonly debian_suites="trixie" ubuntu_suites=""
+    ;;
+*) readonly tarball_sha256="" debian_suites="" ubuntu_suites="" ;;
+esac
 
 say() { echo "headers: $*" >&2; }
 
@@ -83,8 +94,8 @@ from_apt() {
         awk '$3 == "main" && $1 !~ /security/ {print $1, $2}' >"$scratch/mirrors"
     while read -r mirror origin; do
         case "$origin" in
-        Debian) set -- "main" sid testing ;;
-        Ubuntu) set -- "universe" devel ;;
+        Debian) set -- main $debian_suites ;;
+        Ubuntu) set -- universe $ubuntu_suites ;;
         *) continue ;;
         esac
         local component=$1
@@ -97,7 +108,7 @@ from_apt() {
     return 1
 }
 
-if [ -n "${MESHLAB_SOURCE_DIR:-}" ]; then
+if [ -n "${MESHLAB_SOURCE_DIR:-}" ] && [ $# -eq 0 ]; then
     if ! has_headers "$MESHLAB_SOURCE_DIR"; then
         say "MESHLAB_SOURCE_DIR=$MESHLAB_SOURCE_DIR has no src/common and src/vcglib"
         exit 1

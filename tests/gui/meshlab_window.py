@@ -26,6 +26,9 @@ FILTERS_SUBMENUS = [
     "Smoothing, Fairing and Deformation",
     "Quality Measure and Computations",
 ]
+# Where the eye of the first layer stands, and the buttons of the dialog of filter scripts.
+LAYER_LIST = (866, 111)
+SCRIPT_BUTTONS = {"Save Script": 51, "Open Script": 137, "Apply Script": 480}
 _SETTINGS = """\
 [General]
 lastTimeMeshLabVersionCheckedOnStart=Fri Jan 1 2100
@@ -175,8 +178,7 @@ class MeshLabWindow:
         main = self._main
         self.screen.click(main.x + FILTERS_MENU[0], main.y + FILTERS_MENU[1])
         self.screen.settle()
-        # The first entry, "Apply filter", can not be chosen before a filter was applied.
-        self.screen.keys(*["Down"] * (FILTERS_SUBMENUS.index(title) + 2))
+        self._go_down_to(1 + FILTERS_SUBMENUS.index(title))
         self.screen.keys("Right")
         self.screen.settle()
 
@@ -200,6 +202,68 @@ class MeshLabWindow:
         """Answers a message box with its default button."""
         self.screen.keys("Return")
         self.wait_for_no_window(title)
+        self.screen.settle()
+
+    def select_layer(self, index: int) -> None:
+        self._click_layer(index, 40)
+
+    def hide_layer(self, index: int) -> None:
+        self._click_layer(index, 10)
+
+    def _click_layer(self, index: int, right: int) -> None:
+        main = self._main
+        self.screen.click(main.x + LAYER_LIST[0] + right, main.y + LAYER_LIST[1] + 32 * index)
+        self.screen.settle()
+
+    def show_whole_scene(self) -> None:
+        self.screen.keys("ctrl+h")
+        self.screen.settle()
+
+    def _open_script_dialog(self) -> Window:
+        self.screen.click(self._main.x + FILTERS_MENU[0], self._main.y + FILTERS_MENU[1])
+        self.screen.settle()
+        self._go_down_to(0)
+        self.screen.keys("Return")
+        return self.wait_for_window("Dialog")
+
+    def _go_down_to(self, entry: int) -> None:
+        """In the open Filters menu; "Show current filter script" is entry 0."""
+        # "Apply filter" above it can be chosen only when a filter was applied before.
+        above = 2 if "Applied filter" in self.log_text() else 1
+        self.screen.keys(*["Down"] * (above + entry))
+
+    def _press_in_script_dialog(self, button: str) -> None:
+        dialog = self.screen.find_window("Dialog") or self._open_script_dialog()
+        self.screen.settle()
+        right = SCRIPT_BUTTONS[button]
+        self.screen.click(dialog.x + right, dialog.y + dialog.height - 28)
+        self.screen.settle()
+
+    def save_filter_script(self, name: str) -> Path:
+        """Saves the history of filters; returns the file on this side."""
+        self._press_in_script_dialog("Save Script")
+        self.wait_for_window("Save Filter Script")
+        self.screen.type_text(str(HOME_IN_ROOT / name))
+        self.screen.keys("Return")
+        wait_until((self.home / name).is_file, "the saved script")
+        self.screen.keys("Escape")
+        self.wait_for_no_window("Dialog")
+        return self.home / name
+
+    def open_filter_script(self, name: str) -> None:
+        """Puts a saved script into the place of the history."""
+        self._press_in_script_dialog("Open Script")
+        self.wait_for_window("Open Filter Script")
+        self.screen.type_text(str(HOME_IN_ROOT / name))
+        self.screen.keys("Return")
+        self.wait_for_no_window("Open Filter Script")
+        self.screen.settle()
+
+    def apply_filter_script(self, done: str, seconds: float = 60.0) -> None:
+        """Applies the script and waits for `done` in the log: MeshLab itself says nothing."""
+        start = len(self.log_text())
+        self._press_in_script_dialog("Apply Script")
+        self.wait_for_log(done, seconds, start)
         self.screen.settle()
 
     def export(self, name: str) -> Path:
@@ -275,6 +339,11 @@ class FilterDialog:
 
     def toggle_preview(self) -> None:
         self._click(0.03, 169)
+        self.screen.settle()
+
+    def toggle_only_check_box(self) -> None:
+        """Of a filter with one parameter."""
+        self._click(0.517, 211)
         self.screen.settle()
 
     def copied_call(self) -> str:

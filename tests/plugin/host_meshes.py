@@ -41,11 +41,16 @@ def flipped_count(faces, positions):
     return int((np.linalg.det(positions[faces]) <= 0).sum())
 
 
+def mesh_count(mesh_set):
+    # PyMeshLab 2022.2 has the older name.
+    return (getattr(mesh_set, "mesh_number", None) or mesh_set.number_meshes)()
+
+
 def state(mesh_set):
     """All that a filter could change in the current mesh."""
     mesh = mesh_set.current_mesh()
     return {
-        "mesh_number": mesh_set.mesh_number(),
+        "mesh_count": mesh_count(mesh_set),
         "vertices": mesh.vertex_matrix().tobytes(),
         "faces": mesh.face_matrix().tobytes(),
         "quality": mesh.face_scalar_array().tobytes() if mesh.has_face_scalar() else None,

@@ -7,6 +7,7 @@ import sys
 import pytest
 
 import spheroseg
+from spheroseg import install
 
 LOAD = "import sys, pymeshlab; pymeshlab.load_plugin(sys.argv[1])"
 
@@ -22,9 +23,10 @@ def test_the_plugin_itself_loads():
 
 def test_a_plugin_for_another_release_is_refused(tmp_path):
     built = spheroseg.plugin_path().read_bytes()
-    assert b"2025.07d" in built
+    release = install.plugin_host(spheroseg.plugin_path()).release.encode() + b"d"
+    assert release in built
     other = tmp_path / "libfilter_other_release.so"
-    other.write_bytes(built.replace(b"2025.07d", b"2023.12d"))
+    other.write_bytes(built.replace(release, b"2021.10d"))
     run = load_in_new_process(other)
     assert run.returncode != 0
     assert "different version" in run.stderr

@@ -1,7 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 import pytest
-from host_meshes import PARAMETRIZATION, SEGMENTATION, ellipsoid, flipped_count, labels_of, state
+from host_meshes import (
+    PARAMETRIZATION,
+    SEGMENTATION,
+    ellipsoid,
+    flipped_count,
+    labels_of,
+    mesh_count,
+    state,
+)
+
+import spheroseg
+from spheroseg import install
 
 ATTRIBUTE = "sphere_position"
 ALL_PAIRS = {"submesh_count": 16, "method": "all_pairs"}
@@ -12,6 +23,8 @@ def sphere_positions(mesh_set):
 
 
 def with_attribute(positions):
+    if install.plugin_host(spheroseg.plugin_path()).release == "2022.02":
+        pytest.skip("PyMeshLab 2022.2 corrupts its memory when Python adds an attribute")
     mesh_set = ellipsoid()
     mesh_set.current_mesh().add_vertex_custom_point_attribute(positions, ATTRIBUTE)
     return mesh_set
@@ -64,7 +77,7 @@ def test_new_layer_has_the_sphere_and_the_source_stays_current():
     mesh_set = ellipsoid(2)
     source = mesh_set.current_mesh().vertex_matrix()
     mesh_set.apply_filter(PARAMETRIZATION, new_layer=True)
-    assert mesh_set.mesh_number() == 2
+    assert mesh_count(mesh_set) == 2
     assert mesh_set.current_mesh_id() == 0
     np.testing.assert_array_equal(mesh_set.current_mesh().vertex_matrix(), source)
     positions = sphere_positions(mesh_set)
