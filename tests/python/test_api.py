@@ -9,7 +9,7 @@ import numpy as np
 import pymeshlab
 import pytest
 import recount
-from conftest import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
+from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
 
 import spheroseg
 

@@ -10,7 +10,7 @@ import numpy as np
 import pymeshlab
 import pytest
 import recount
-from conftest import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
+from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
 
 import spheroseg
 from spheroseg import cli, mesh_files

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import REPOSITORY
+from mesh_paths import REPOSITORY
 
 import spheroseg
 from spheroseg.install import PLUGIN_FILE

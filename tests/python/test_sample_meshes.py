@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 import recount
-from conftest import SAMPLE_FOLDER, SAMPLES
+from mesh_paths import SAMPLE_FOLDER, SAMPLES
 
 
 @pytest.fixture(scope="module")
