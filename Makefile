@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
-.PHONY: help demo test setup setup-run plugin plugin-gui install-gui gui-root \
+.PHONY: help demo report test setup setup-run plugin plugin-gui install-gui gui-root \
 	test-style test-engine test-sanitize test-plugin test-python test-gui test-hosts
 
 PYTHON := .venv/bin/python
@@ -11,6 +11,7 @@ export PYTHONPATH := $(CURDIR)/python
 
 help:
 	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
+	@echo "make report      compare with METIS and region growing (out/report/report.html)"
 	@echo "make test        everything that CI runs"
 	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
 	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
@@ -42,6 +43,14 @@ gui-root:
 
 demo: plugin
 	$(PYTHON) -m spheroseg.demo out/demo
+
+# PyMeshLab's samples and ours; with REPORT_MESHES, a folder, also what is in there.
+REPORT_MESHES ?= $(wildcard ../shared/meshes)
+report: setup plugin
+	$(PYTHON) -m spheroseg evaluate sample_meshes $(REPORT_MESHES) \
+		$(addprefix $(shell $(PYTHON) -c 'import pymeshlab; print(pymeshlab.__path__[0])')/tests/sample_meshes/,\
+			cow.obj airplane.obj bone.ply bunny.obj) \
+		-o out/report -k 20 200
 
 test: test-style test-engine test-sanitize test-plugin test-python test-gui
 

@@ -35,6 +35,7 @@ COMMANDS = {
     ),
     "split": ("spheroseg.commands.split", "write each sub-mesh as a file of its own"),
     "export": ("spheroseg.commands.export", "write GPU-ready arrays (.npz) or a .glb"),
+    "evaluate": ("spheroseg.commands.evaluate", "compare with METIS and region growing"),
     "batch": ("spheroseg.commands.batch", "segment many meshes, here or on a Dask cluster"),
 }
 

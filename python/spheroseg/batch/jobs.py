@@ -79,7 +79,7 @@ def run_job(job: Job) -> dict[str, Any]:
         capture_output=True,
         text=True,
         check=False,
-        env=_environment(),
+        env=package_environment(),
     )
     if process.returncode == 0:
         return json.loads(job.record_path().read_text())
@@ -93,8 +93,8 @@ def run_job(job: Job) -> dict[str, Any]:
     return record
 
 
-def _environment() -> dict[str, str]:
-    """The job's process imports this very package, wherever the caller found it."""
+def package_environment() -> dict[str, str]:
+    """Environment for a process that imports this very package, wherever the caller found it."""
     package = str(Path(__file__).resolve().parents[2])
     others = os.environ.get("PYTHONPATH")
     return dict(os.environ, PYTHONPATH=os.pathsep.join([package, others] if others else [package]))

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compares our methods with METIS and region growing, as the paper does, and writes a report.
+
+DIR/report.html is one file that works offline; results.csv, results.json, the pictures, the plots
+and all labels lie beside it. docs/evaluation.md tells what is measured and how.
+"""
+
+import shlex
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from spheroseg.batch import inputs
+from spheroseg.errors import InputError
+from spheroseg.evaluate import methods, runner
+from spheroseg.evaluate.environment import describe
+
+VIEWER_LIMIT = 120_000
+
+
+def add_arguments(parser):
+    parser.add_argument("inputs", metavar="INPUTS", nargs="+", help="meshes, folders, globs, CSV")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder to write")
+    parser.add_argument(
+        "-k", "--submesh-counts", metavar="N", type=int, nargs="+", default=[200], help="(200)"
+    )
+    parser.add_argument(
+        "--methods",
+        metavar="LIST",
+        help=f"out of {', '.join(methods.METHODS)} (default: {','.join(methods.DEFAULT_METHODS)})",
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="for all methods (0)")
+    parser.add_argument(
+        "--all-pairs-limit",
+        type=int,
+        default=methods.ALL_PAIRS_LIMIT,
+        metavar="N",
+        help=f"leave all_pairs out above N triangles ({methods.ALL_PAIRS_LIMIT})",
+    )
+    parser.add_argument(
+        "--viewer-limit",
+        type=int,
+        default=VIEWER_LIMIT,
+        metavar="N",
+        help=f"leave meshes above N triangles out of the 3D view ({VIEWER_LIMIT})",
+    )
+
+
+def run(arguments) -> int:
+    plan = _plan(arguments)
+    sources = inputs.collect(arguments.inputs)
+    report = _report_module()
+    folder = Path(arguments.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    columns = (TextColumn("Evaluating"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
+        task = progress.add_task("", total=len(sources))
+        rows, failures = runner.evaluate(sources, plan, folder, lambda *_: progress.advance(task))
+    for failure in failures:
+        console.print(f"failed: {failure}", markup=False)
+    if not rows:
+        raise InputError("no mesh could be evaluated")
+    environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
+    runner.write_numbers(folder, rows, environment)
+    print(report.write_report(folder, rows, environment, arguments.viewer_limit))
+    return 1 if failures else 0
+
+
+def _plan(arguments) -> runner.Plan:
+    counts = tuple(dict.fromkeys(arguments.submesh_counts))
+    if min(counts) < 1:
+        raise InputError(f"-k must be 1 or more, got {min(counts)}")
+    if arguments.seed < 0:
+        raise InputError(f"--seed must be 0 or more, got {arguments.seed}")
+    names = tuple(dict.fromkeys(methods.chosen(arguments.methods)))
+    return runner.Plan(counts, names, arguments.seed, arguments.all_pairs_limit)
+
+
+def _report_module():
+    try:
+        import jinja2  # noqa: F401
+        import pyvista  # noqa: F401
+
+        from spheroseg.evaluate import report
+    except ImportError as error:
+        raise InputError(
+            f"a report needs more packages ({error}); install them with "
+            "'pip install spheroseg[evaluate]'"
+        ) from None
+    return report

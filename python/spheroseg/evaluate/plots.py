@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report's diagrams as SVG text, by matplotlib."""
+
+import io
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot, ticker  # noqa: E402 (after the choice of the backend)
+
+_STYLE = {
+    "svg.hashsalt": "spheroseg",
+    "svg.fonttype": "none",
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+_COLOURS = ("#0b6e99", "#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdbe85", "#756bb1")
+_MARKERS = "osD^vP*X"
+
+
+def iterations(row: dict, title: str) -> str | None:
+    """Boundary edges and seconds per iteration (the paper's Fig. 9); None without a series."""
+    edges = row["details"].get("boundary_edges_by_iteration") or []
+    seconds = row["details"].get("seconds_by_iteration") or []
+    if len(edges) < 2:
+        return None
+    cohesion = row["details"].get("cohesion_iterations", 0)
+    with pyplot.rc_context(_STYLE):
+        figure, axes = pyplot.subplots(1, 2, figsize=(8.4, 2.8), layout="constrained")
+        for axis, values, label in zip(
+            axes, (edges, seconds), ("boundary edges", "seconds per iteration"), strict=True
+        ):
+            numbers = range(1, len(values) + 1)
+            axis.plot(numbers, values, ".-", color=_COLOURS[0])
+            if 0 < cohesion < len(values):
+                axis.axvline(cohesion + 0.5, color="#888888", linestyle="--", linewidth=1)
+                axis.annotate(
+                    "refinement",
+                    (cohesion + 0.6, 1),
+                    xycoords=("data", "axes fraction"),
+                    va="top",
+                    fontsize=8,
+                    color="#555555",
+                )
+            axis.xaxis.set_major_locator(ticker.MaxNLocator(integer=True))
+            axis.set_xlabel("iteration")
+            axis.set_ylabel(label)
+            axis.set_yscale("log" if label.startswith("seconds") else "linear")
+        figure.suptitle(title, fontsize=10)
+        return _svg(figure)
+
+
+def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
+    """Bytes of the largest sub-mesh by mesh and method (the paper's Fig. 10, bottom)."""
+    meshes = list(dict.fromkeys(row["mesh"] for row in rows))
+    methods = list(titles)
+    width = 0.8 / len(methods)
+    with pyplot.rc_context(_STYLE):
+        figure, axis = pyplot.subplots(
+            figsize=(min(12, 3.5 + 1.2 * len(meshes)), 3.2), layout="constrained"
+        )
+        for index, method in enumerate(methods):
+            values = {
+                r["mesh"]: r["shared_memory_bytes"] / 1024 for r in rows if r["method"] == method
+            }
+            places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
+            axis.bar(places, values.values(), width, label=titles[method], color=_colour(index))
+        axis.set_xticks(range(len(meshes)), meshes, rotation=20)
+        axis.set_ylabel("KiB of the largest sub-mesh")
+        axis.legend(fontsize=7, ncols=2)
+        return _svg(figure)
+
+
+def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
+    """Boundary length over the hexagonal bound against microseconds per triangle."""
+    methods = list(titles)
+    with pyplot.rc_context(_STYLE):
+        figure, axis = pyplot.subplots(figsize=(7.2, 4), layout="constrained")
+        for index, method in enumerate(methods):
+            mine = [row for row in rows if row["method"] == method]
+            axis.scatter(
+                [1e6 * row["seconds"] / row["triangle_count"] for row in mine],
+                [row["boundary_edges_over_hexagonal"] for row in mine],
+                label=titles[method],
+                color=_colour(index),
+                marker=_MARKERS[index % len(_MARKERS)],
+                s=28,
+                alpha=0.85,
+            )
+        axis.set_xscale("log")
+        axis.set_xlabel("microseconds per triangle")
+        axis.set_ylabel("boundary edges / hexagonal bound")
+        axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
+        return _svg(figure)
+
+
+def _colour(index: int) -> str:
+    return _COLOURS[index % len(_COLOURS)]
+
+
+def _svg(figure) -> str:
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    pyplot.close(figure)
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]

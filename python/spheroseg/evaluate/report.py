@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report: one HTML file with all tables, pictures, plots and the 3D view inside."""
+
+import base64
+import gzip
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spheroseg import atomic
+from spheroseg.baselines import build_dual_graph
+from spheroseg.evaluate import paper, pictures, plots
+from spheroseg.evaluate.methods import METHODS
+from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
+from spheroseg.palette import colour_indices, palette
+from spheroseg.submeshes import split_into_submeshes
+
+PAGE_FOLDER = Path(__file__).parent / "page"
+
+
+def write_report(
+    folder: Path, rows: list[dict], environment: dict[str, str], viewer_limit: int
+) -> Path:
+    """Writes `report.html`, `pictures/*.png` and `plots/*.svg` below `folder`, whose `labels`
+    hold the arrays that the rows name; returns the page's path."""
+    import jinja2
+
+    loader = jinja2.FileSystemLoader(PAGE_FOLDER)
+    page = jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined
+    ).get_template("report.html.j2")
+    done = [row for row in rows if row["status"] == "done"]
+    scenes = _scenes(folder, done, viewer_limit)
+    counts = sorted({row["submesh_count"] for row in rows})
+    path = folder / "report.html"
+    text = page.render(
+        style=(PAGE_FOLDER / "style.css").read_text(),
+        script=(PAGE_FOLDER / "viewer.js").read_text(),
+        mesh_count=len({row["mesh"] for row in rows}),
+        methods=[METHODS[name] for name in _in_order(rows)],
+        submesh_counts=counts,
+        summary=summary(done),
+        rows=_table_rows(rows),
+        environment=environment,
+        memory_k=counts[-1],
+        vertex_bytes=VERTEX_BYTES,
+        triangle_bytes=TRIANGLE_BYTES,
+        **_plots(folder, done, counts[-1]),
+        **scenes,
+    )
+    atomic.write_text(path, text)
+    return path
+
+
+def summary(done: list[dict]) -> list[str]:
+    """Plain sentences: each of our methods against METIS, and how many results are valid."""
+    lines = []
+    for name in _in_order(done):
+        mine = [row for row in done if row["method"] == name]
+        valid = sum(is_valid(row) for row in mine)
+        line = (
+            f"{METHODS[name].title}: {valid} of {len(mine)} results are balanced within one "
+            "triangle, connected and free of bowties"
+        )
+        ratios = [] if name.startswith("metis") else _ratios_to_metis(mine, done)
+        if ratios:
+            ratio = math.exp(sum(map(math.log, ratios)) / len(ratios))
+            line += (
+                f"; its boundary is {ratio:.3f} times that of the better METIS mode (k-way or "
+                f"recursive; geometric mean of {len(ratios)})"
+            )
+        lines.append(line + ".")
+    return lines
+
+
+def _in_order(rows: list[dict]) -> list[str]:
+    present = {row["method"] for row in rows}
+    return [name for name in METHODS if name in present]
+
+
+def is_valid(row: dict) -> bool:
+    """Balanced within one triangle, nothing empty, all connected, no bowtie."""
+    return (
+        row["max_triangle_count_difference"] <= 1
+        and row["empty_submesh_count"] == 0
+        and row["disconnected_submesh_count"] == 0
+        and row["bowtie_count"] == 0
+    )
+
+
+def _ratios_to_metis(mine: list[dict], done: list[dict]) -> list[float]:
+    best: dict[tuple, int] = {}
+    for row in done:
+        if row["method"] in ("metis_kway", "metis_recursive"):
+            key = row["mesh"], row["submesh_count"]
+            best[key] = min(row["boundary_edge_count"], best.get(key, row["boundary_edge_count"]))
+    ratios = []
+    for row in mine:
+        metis = best.get((row["mesh"], row["submesh_count"]), 0)
+        if metis > 0 and row["boundary_edge_count"] > 0:
+            ratios.append(row["boundary_edge_count"] / metis)
+    return ratios
+
+
+def _table_rows(rows: list[dict]) -> list[dict]:
+    shown = []
+    before = None
+    for row in rows:
+        group = row["mesh"], row["submesh_count"]
+        shown.append(
+            row
+            | {
+                "title": METHODS[row["method"]].title,
+                "is_ours": METHODS[row["method"]].is_ours,
+                "is_first": group != before,
+                "paper": paper.lookup(
+                    row["mesh"], row["triangle_count"], row["submesh_count"], row["method"]
+                ),
+            }
+        )
+        before = group
+    return shown
+
+
+def _plots(folder: Path, done: list[dict], memory_k: int) -> dict[str, Any]:
+    titles = {name: METHODS[name].title for name in _in_order(done)}
+    files = {}
+    for row in done:
+        title = f"{row['mesh']}, k = {row['submesh_count']}: {titles[row['method']]}"
+        svg = plots.iterations(row, title)
+        if svg:
+            files[f"iterations-{_stem(row)}"] = svg
+    iteration_plots = list(files.values())
+    same_k = [row for row in done if row["submesh_count"] == memory_k]
+    memory = plots.shared_memory(same_k, titles) if same_k else ""
+    quality = plots.quality_and_time(done, titles) if done else ""
+    files |= {"shared-memory": memory, "quality-and-time": quality}
+    (folder / "plots").mkdir(exist_ok=True)
+    for name, svg in files.items():
+        atomic.write_text(folder / "plots" / f"{name}.svg", svg)
+    return {
+        "iteration_plots": iteration_plots,
+        "memory_plot": memory,
+        "quality_plot": quality,
+    }
+
+
+def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]:
+    """Pictures, and the arrays of the 3D view for meshes up to the limit."""
+    (folder / "pictures").mkdir(exist_ok=True)
+    galleries, index, blocks, too_large = [], [], [], []
+    for number, name in enumerate(dict.fromkeys(row["mesh"] for row in done)):
+        with np.load(folder / "labels" / f"{name}.npz") as arrays:
+            vertices, faces = arrays["vertices"], arrays["faces"]
+        graph = build_dual_graph(faces)
+        labellings = []
+        in_viewer = len(faces) <= viewer_limit
+        for row in [row for row in done if row["mesh"] == name]:
+            k = row["submesh_count"]
+            labels = np.load(folder / "labels" / row["labels"])
+            parts = anatomy(faces, graph, labels, k)
+            colours = _label_colours(vertices, faces, labels, k)
+            picture = folder / "pictures" / f"{_stem(row)}.png"
+            pictures.draw(vertices, faces, colours[labels], parts, picture)
+            title = f"{METHODS[row['method']].title}, k = {k}"
+            if not galleries or galleries[-1]["key"] != (name, k):
+                group = {"key": (name, k), "title": f"{name}, k = {k}", "pictures": []}
+                galleries.append(group)
+            galleries[-1]["pictures"].append(
+                {
+                    "data": base64.b64encode(picture.read_bytes()).decode(),
+                    "caption": _caption(row),
+                }
+            )
+            if in_viewer:
+                labellings.append({"title": title} | _labelling(labels, colours, parts))
+        if in_viewer:
+            positions, corners = f"positions-{number}", f"corners-{number}"
+            blocks.append({"id": positions, "data": _packed(vertices, "<f4")})
+            blocks.append({"id": corners, "data": _packed(faces, "<u4")})
+            title = f"{name} ({len(faces):,} triangles)"
+            entry = {"title": title, "positions": positions, "corners": corners}
+            index.append(entry | {"labellings": labellings})
+        else:
+            too_large.append(name)
+    return {
+        "galleries": galleries,
+        # A "<" must not end the script element that holds the text.
+        "viewer_index": json.dumps(index).replace("<", "\\u003c"),
+        "blocks": blocks,
+        "not_in_viewer": too_large,
+    }
+
+
+def _caption(row: dict) -> str:
+    caption = f"{METHODS[row['method']].title}: {row['boundary_edge_count']:,} boundary edges"
+    bowties = row["bowtie_count"]
+    return caption + (f", {bowties} bowtie{'s' if bowties > 1 else ''} (red)" if bowties else "")
+
+
+def _labelling(labels: np.ndarray, colours: np.ndarray, parts: Anatomy) -> dict[str, Any]:
+    return {
+        "labels": _packed(labels, "<u4"),
+        "palette": _packed(colours, "u1"),
+        "lines": _packed(parts.boundary_edges, "<u4"),
+        "bowties": _packed(parts.bowtie_vertices, "<u4"),
+        "counts": {
+            "triangles": parts.triangle_counts.tolist(),
+            "vertices": parts.vertex_counts.tolist(),
+            "edges": parts.edge_counts.tolist(),
+            "bowties": parts.bowtie_counts.tolist(),
+        },
+    }
+
+
+def _label_colours(vertices, faces, labels, k: int) -> np.ndarray:
+    submeshes = split_into_submeshes(vertices, faces, labels, k)
+    indices = colour_indices(k, submeshes.neighbour_starts, submeshes.neighbours)
+    return palette(int(indices.max()) + 1)[indices]
+
+
+def _packed(array: np.ndarray, code: str) -> str:
+    raw = np.ascontiguousarray(array, dtype=code).tobytes()
+    return base64.b64encode(gzip.compress(raw, mtime=0)).decode()
+
+
+def _stem(row: dict) -> str:
+    return f"{row['mesh'].replace('/', '_')}-k{row['submesh_count']}-{row['method']}"

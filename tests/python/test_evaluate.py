@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import csv
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import recount
+from shapes import bumpy_sphere, octahedron
+
+pytest.importorskip("jinja2")
+pytest.importorskip("pyvista")
+pytest.importorskip("matplotlib")
+
+from spheroseg.baselines import build_dual_graph
+from spheroseg.cli import main
+from spheroseg.errors import InputError
+from spheroseg.evaluate import paper, report
+from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
+from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
+from spheroseg.ply import ply_bytes
+
+TIMES = ("seconds", "details")
+RUN_METHODS = ("all_pairs", "metis_kway", "region_growing")
+
+
+def write_inputs(folder: Path) -> None:
+    folder.mkdir()
+    for name, seed in (("first", 1), ("second", 2)):
+        (folder / f"{name}.ply").write_bytes(ply_bytes(*bumpy_sphere(3, seed)))
+
+
+@pytest.fixture(scope="module")
+def evaluation(tmp_path_factory) -> Path:
+    """Folder with `in`, two meshes of 512 triangles, and `out`, their evaluation at k = 5, 16."""
+    pytest.importorskip("pymetis")
+    pytest.importorskip("numba")
+    folder = tmp_path_factory.mktemp("evaluation")
+    write_inputs(folder / "in")
+    assert evaluate(folder / "in", folder / "out") == 0
+    return folder
+
+
+def evaluate(source: Path, output: Path, *more: str) -> int:
+    methods = ",".join(RUN_METHODS)
+    arguments = ["evaluate", str(source), "-o", str(output), "--methods", methods]
+    return main([*arguments, "-k", "5", "16", *more])
+
+
+def results(output: Path) -> list[dict]:
+    return json.loads((output / "results.json").read_text())["rows"]
+
+
+@pytest.mark.parametrize("k", [1, 2, 7, 60])
+def test_anatomy_equals_recount_on_random_labels(k):
+    _, faces = bumpy_sphere(2, 0)
+    labels = np.random.default_rng(k).integers(0, k, size=len(faces)).astype(np.int32)
+    labels[:k] = np.arange(k)
+    parts = anatomy(faces, build_dual_graph(faces), labels, k)
+    expected = recount.measures(faces, labels)
+    assert len(parts.bowtie_vertices) == expected["bowtie_count"] == parts.bowtie_counts.sum()
+    assert parts.edge_counts.sum() == 2 * expected["boundary_edge_count"]
+    cut = {edge for edge, users in recount.edge_faces(faces).items() if np.ptp(labels[users]) > 0}
+    assert {tuple(sorted(edge)) for edge in parts.boundary_edges.tolist()} == cut
+    assert len(parts.boundary_edges) == len(cut)
+    assert parts.triangle_counts.tolist() == expected["submesh_triangles"].tolist()
+    vertex_counts = [len(np.unique(faces[labels == label])) for label in range(k)]
+    assert parts.vertex_counts.tolist() == vertex_counts
+    assert parts.shared_memory_bytes == max(
+        VERTEX_BYTES * v + TRIANGLE_BYTES * t
+        for v, t in zip(vertex_counts, parts.triangle_counts, strict=True)
+    )
+
+
+def test_anatomy_of_two_triangles_that_touch_in_a_vertex():
+    # Opposite triangles of an octahedron's upper half share the apex only: one bowtie there.
+    _, faces = octahedron()
+    labels = np.array([0, 1, 0, 1, 1, 1, 1, 1], dtype=np.int32)
+    parts = anatomy(faces, build_dual_graph(faces), labels, 2)
+    assert parts.bowtie_vertices.tolist() == [4, 4]  # once for each of the two sub-meshes
+    assert parts.bowtie_counts.tolist() == [1, 1]
+    assert parts.edge_counts.tolist() == [6, 6]
+
+
+def test_every_row_equals_an_independent_recount(evaluation):
+    rows = results(evaluation / "out")
+    assert len(rows) == 2 * 2 * len(RUN_METHODS)
+    for row in rows:
+        assert row["status"] == "done"
+        with np.load(evaluation / "out" / "labels" / f"{row['mesh']}.npz") as arrays:
+            faces = arrays["faces"]
+        labels = np.load(evaluation / "out" / "labels" / row["labels"])
+        expected = recount.measures(faces, labels)
+        for key in set(expected) & set(row):
+            assert row[key] == pytest.approx(expected[key], rel=1e-12), key
+        assert row["boundary_edges_over_hexagonal"] == pytest.approx(
+            expected["boundary_edge_count"] / (math.sqrt(6 * 512 * row["submesh_count"]) / 2)
+        )
+        assert row["empty_submesh_count"] == 0
+
+
+def test_metis_rows_equal_a_direct_call(evaluation):
+    pymetis = pytest.importorskip("pymetis")
+    for row in results(evaluation / "out"):
+        if row["method"] != "metis_kway":
+            continue
+        with np.load(evaluation / "out" / "labels" / f"{row['mesh']}.npz") as arrays:
+            neighbours = build_dual_graph(arrays["faces"]).neighbours
+        direct = pymetis.part_graph(
+            row["submesh_count"],
+            neighbours.tolist(),
+            recursive=False,
+            options=pymetis.Options(contig=1, seed=0),
+        )
+        assert row["boundary_edge_count"] == direct.edge_cuts
+
+
+def test_same_command_gives_the_same_numbers_except_times(evaluation):
+    assert evaluate(evaluation / "in", evaluation / "again") == 0
+    without_times = [
+        [{key: value for key, value in row.items() if key not in TIMES} for row in results(output)]
+        for output in (evaluation / "out", evaluation / "again")
+    ]
+    assert without_times[0] == without_times[1]
+
+
+def test_csv_and_json_agree(evaluation):
+    with (evaluation / "out" / "results.csv").open(newline="") as stream:
+        table = list(csv.DictReader(stream))
+    rows = results(evaluation / "out")
+    assert len(table) == len(rows)
+    for line, row in zip(table, rows, strict=True):
+        assert line == {key: str(row[key]) for key in line}
+
+
+def test_report_is_one_file_that_needs_nothing_else(evaluation):
+    text = (evaluation / "out" / "report.html").read_text()
+    for link in ('src="http', 'href="http', 'src="/', "@import", "url(http"):
+        assert link not in text
+    assert text.count('<tr class="') == 2 * 2 * len(RUN_METHODS)
+    assert text.count('src="data:image/png;base64,') == 2 * 2 * len(RUN_METHODS)
+    environment = json.loads((evaluation / "out" / "results.json").read_text())["environment"]
+    assert {"command", "seed", "commit", "pymetis", "processor"} <= set(environment)
+    assert environment["seed"] == "0"
+
+
+def test_pictures_show_boundaries_and_red_bowties(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    from spheroseg.evaluate.pictures import SIZE, draw
+
+    vertices, faces = bumpy_sphere(2, 0)
+    grey = np.full((len(faces), 3), 180, dtype=np.uint8)
+    red = {}
+    for k in (1, 12):
+        labels = np.random.default_rng(0).integers(0, k, size=len(faces)).astype(np.int32)
+        parts = anatomy(faces, build_dual_graph(faces), labels, k)
+        draw(vertices, faces, grey, parts, tmp_path / "picture.png")
+        pixels = np.asarray(image.open(tmp_path / "picture.png").convert("RGB")).astype(int)
+        assert pixels.shape == (SIZE[1], SIZE[0], 3)
+        red[k] = np.count_nonzero((pixels[..., 0] > 120) & (pixels[..., 1:].max(axis=2) < 60))
+    assert red[1] == 0
+    assert red[12] > 50
+    assert [path.name for path in tmp_path.iterdir()] == ["picture.png"]
+
+
+def test_all_pairs_is_left_out_above_its_limit_and_says_so(tmp_path):
+    write_inputs(tmp_path / "in")
+    assert evaluate(tmp_path / "in", tmp_path / "out", "--all-pairs-limit", "511") == 0
+    left_out = [row for row in results(tmp_path / "out") if row["status"] == "left out"]
+    assert {row["method"] for row in left_out} == {"all_pairs"}
+    assert len(left_out) == 4
+    assert "left out: above 511 triangles" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_more_submeshes_than_triangles_are_left_out(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "small.ply").write_bytes(ply_bytes(*octahedron()))
+    assert evaluate(tmp_path / "in", tmp_path / "out") == 0
+    status = {(row["submesh_count"], row["status"]) for row in results(tmp_path / "out")}
+    assert status == {(5, "done"), (16, "left out")}
+
+
+def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):
+    write_inputs(tmp_path / "in")
+    (tmp_path / "in" / "broken.ply").write_text("no mesh")
+    assert evaluate(tmp_path / "in", tmp_path / "out", "--all-pairs-limit", "0") == 1
+    assert "broken.ply: PyMeshLab can not read it" in capsys.readouterr().err
+    assert {row["mesh"] for row in results(tmp_path / "out")} == {"first", "second"}
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["-k", "0"], "-k must be 1 or more, got 0"),
+        (["--seed", "-1"], "--seed must be 0 or more"),
+        (["--methods", "magic"], "there is no method 'magic'"),
+    ],
+)
+def test_bad_options_are_refused_before_any_work(options, message, tmp_path, capsys):
+    write_inputs(tmp_path / "in")
+    assert main(["evaluate", str(tmp_path / "in"), "-o", str(tmp_path / "out"), *options]) == 2
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_paper_numbers_stand_beside_meshes_of_the_same_name_and_count():
+    human = paper.lookup("human", 20096, 200, "all_pairs")
+    assert (human.boundary_edge_count, human.bowtie_count) == (3041, 0)
+    assert paper.lookup("Cow", 5804, 200, "metis_kway").bowtie_count == 19
+    rock = paper.lookup("rock", 558976, 200, "region_growing")
+    assert rock.max_triangle_count_difference == 7301
+    assert paper.lookup("bunny_ply", 3996, 200, "all_pairs").boundary_edge_count == 1303
+    assert paper.lookup("human", 20098, 200, "all_pairs") is None
+    assert paper.lookup("human", 20096, 100, "all_pairs") is None
+    assert paper.lookup("human", 20096, 200, "fast_high") is None
+
+
+def row(method: str, edges: int, **changes) -> dict:
+    valid = {
+        "max_triangle_count_difference": 1,
+        "empty_submesh_count": 0,
+        "disconnected_submesh_count": 0,
+        "bowtie_count": 0,
+    }
+    where = {"mesh": "m", "submesh_count": 4, "method": method, "boundary_edge_count": edges}
+    return where | valid | changes
+
+
+def test_summary_compares_with_the_better_metis_mode():
+    lines = report.summary(
+        [
+            row("fast_high", 90),
+            row("metis_kway", 100, bowtie_count=1),
+            row("metis_recursive", 120, max_triangle_count_difference=3),
+        ]
+    )
+    assert lines[0].startswith("Fast, high: 1 of 1 results")
+    assert "0.900 times that of the better METIS mode" in lines[0]
+    assert lines[1].startswith("METIS k-way: 0 of 1")
+    assert lines[2].startswith("METIS recursive: 0 of 1")
+    assert "times that" not in lines[1] + lines[2]
+
+
+@pytest.mark.parametrize(
+    "fault",
+    ["max_triangle_count_difference", "empty_submesh_count", "disconnected_submesh_count"],
+)
+def test_a_result_with_any_fault_is_not_valid(fault):
+    assert report.is_valid(row("metis_kway", 1))
+    assert not report.is_valid(row("metis_kway", 1, **{fault: 2}))
+
+
+def test_default_methods_exist_and_others_are_named():
+    assert set(DEFAULT_METHODS) <= set(METHODS)
+    assert chosen("metis_kway,all_pairs") == ["metis_kway", "all_pairs"]
+    with pytest.raises(InputError, match="there is no method 'x'; choose from all_pairs"):
+        chosen("x")
+
+
+def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsys):
+    write_inputs(tmp_path / "in")
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    assert evaluate(tmp_path / "in", tmp_path / "out") == 2
+    assert "pip install spheroseg[evaluate]" in capsys.readouterr().err

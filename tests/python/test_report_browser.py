@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report in a real browser: headless Chromium with software rendering."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import bumpy_sphere
+
+from spheroseg.cli import main
+from spheroseg.ply import ply_bytes
+
+webdriver = pytest.importorskip("selenium.webdriver")
+image = pytest.importorskip("PIL.Image")
+pytest.importorskip("pyvista")
+pytest.importorskip("jinja2")
+pytest.importorskip("matplotlib")
+
+METHODS = ("all_pairs", "metis_kway", "region_growing")
+COUNTS = (5, 16)
+
+
+@pytest.fixture(scope="module")
+def output(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("report")
+    for name, seed in (("first", 1), ("second", 2)):
+        (folder / f"{name}.ply").write_bytes(ply_bytes(*bumpy_sphere(3, seed)))
+    arguments = ["evaluate", str(folder / "first.ply"), str(folder / "second.ply")]
+    arguments += ["-o", str(folder / "out"), "--methods", ",".join(METHODS)]
+    assert main([*arguments, "-k", *map(str, COUNTS)]) == 0
+    return folder / "out"
+
+
+@pytest.fixture(scope="module")
+def browser(output):
+    binary = shutil.which("chromium") or shutil.which("chromium-browser")
+    driver = shutil.which("chromedriver")
+    if not binary or not driver:
+        pytest.skip("Chromium and its driver are not installed (Debian: chromium chromium-driver)")
+    options = webdriver.ChromeOptions()
+    options.binary_location = binary
+    for argument in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-dev-shm-usage",
+        "--enable-unsafe-swiftshader",
+        "--use-angle=swiftshader",
+        "--window-size=1200,900",
+    ):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    service = webdriver.chrome.service.Service(driver)
+    with webdriver.Chrome(options=options, service=service) as chrome:
+        # Offline: whatever the page wanted from elsewhere would fail and be logged.
+        chrome.execute_cdp_cmd("Network.enable", {})
+        chrome.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["http://*", "https://*"]})
+        chrome.get((output / "report.html").as_uri())
+        wait(lambda: chrome.execute_script("return Boolean(window.spherosegViewer)"))
+        yield chrome
+
+
+def wait(condition, seconds: float = 30) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.1)
+
+
+def canvas_pixels(browser) -> np.ndarray:
+    data = browser.execute_script(
+        "spherosegViewer.draw(); return spherosegViewer.canvas.toDataURL('image/png')"
+    )
+    raw = base64.b64decode(data.split(",", 1)[1])
+    return np.asarray(image.open(io.BytesIO(raw)).convert("RGB")).astype(int)
+
+
+def choose(browser, menu: int, title: str) -> None:
+    browser.execute_script(
+        "const menu = document.querySelectorAll('#viewer select')[arguments[0]];"
+        "menu.value = [...menu.options].find((o) => o.text.startsWith(arguments[1])).value;"
+        "menu.dispatchEvent(new Event('change'));",
+        menu,
+        title,
+    )
+
+
+def shown(browser) -> str:
+    return browser.execute_script("return document.getElementById('viewer').dataset.shown")
+
+
+def note(browser) -> str:
+    return browser.execute_script("return document.querySelector('#viewer output').textContent")
+
+
+def test_console_is_silent(browser):
+    assert browser.get_log("browser") == []
+
+
+def test_table_has_a_row_per_mesh_count_and_method_with_the_right_numbers(browser, output):
+    rows = browser.execute_script(
+        "return [...document.querySelectorAll('#table1 tbody tr')].map((row) => [row.dataset.mesh,"
+        " Number(row.dataset.k), row.dataset.method,"
+        " Number(row.querySelector('[data-measure]').textContent.replace(',', ''))])"
+    )
+    expected = [
+        [row["mesh"], row["submesh_count"], row["method"], row["boundary_edge_count"]]
+        for row in json.loads((output / "results.json").read_text())["rows"]
+    ]
+    assert rows == expected
+    assert len(rows) == 2 * len(METHODS) * len(COUNTS)
+
+
+def test_view_draws_the_mesh_in_many_colours_and_turns(browser):
+    before = canvas_pixels(browser)
+    drawn = (before < 250).any(axis=2)
+    assert 0.1 < drawn.mean() < 0.9
+    assert len(np.unique(before[drawn] // 32, axis=0)) >= 6
+    assert not drawn[:3].any()
+    browser.execute_script("spherosegViewer.turn(0.5, 0.3)")
+    assert (canvas_pixels(browser) != before).any(axis=2).mean() > 0.03
+    browser.execute_script("spherosegViewer.scale(0.5)")
+    smaller = (canvas_pixels(browser) < 250).any(axis=2).mean()
+    assert smaller == pytest.approx(drawn.mean() / 4, rel=0.25)
+    browser.execute_script("spherosegViewer.scale(2)")
+
+
+def test_click_picks_the_submesh_under_the_pointer(browser, output):
+    choose(browser, 0, "second")
+    choose(browser, 1, "Region growing, k = 16")
+    wait(lambda: shown(browser) == "Region growing, k = 16")
+    canvas = browser.find_element("css selector", "#viewer canvas")
+    webdriver.ActionChains(browser).move_to_element(canvas).click().perform()
+    wait(lambda: note(browser).startswith("Sub-mesh"))
+    # The triangle in the middle that is nearest to the eye, by the view's own matrix.
+    view = browser.execute_script("return [...spherosegViewer.view(0)]")
+    matrix = np.array(view).reshape(4, 4).T
+    with np.load(output / "labels" / "second.npz") as arrays:
+        vertices, faces = arrays["vertices"], arrays["faces"]
+    place = (matrix @ np.column_stack((vertices, np.ones(len(vertices)))).T).T[:, :3]
+    corners = place[faces]
+    signs = np.stack(
+        [
+            corners[:, i, 0] * corners[:, (i + 1) % 3, 1]
+            - corners[:, i, 1] * corners[:, (i + 1) % 3, 0]
+            for i in range(3)
+        ]
+    )
+    hit = np.flatnonzero((signs >= 0).all(axis=0) | (signs <= 0).all(axis=0))
+    front = hit[np.argmin(corners[hit, :, 2].mean(axis=1))]
+    labels = np.load(output / "labels" / "second-k16-region_growing.npy")
+    count = np.count_nonzero(labels == labels[front])
+    assert note(browser).startswith(f"Sub-mesh {labels[front]}: {count} triangles, ")
+    assert (canvas_pixels(browser)[..., 2] < 100).mean() > 0.005  # lit up in yellow
+
+
+def test_click_beside_the_mesh_picks_nothing(browser):
+    browser.execute_script("spherosegViewer.pick(2, 2)")
+    assert note(browser).startswith("Click or tap")
+
+
+def test_arrow_keys_turn_the_view(browser):
+    before = canvas_pixels(browser)
+    canvas = browser.find_element("css selector", "#viewer canvas")
+    canvas.send_keys("\ue014")  # arrow right
+    assert (canvas_pixels(browser) != before).any()
+
+
+def test_every_labelling_can_be_shown(browser):
+    for mesh in ("first", "second"):
+        choose(browser, 0, mesh)
+        wait(lambda: shown(browser) == "All pairs, k = 5")
+        for title in ("METIS k-way, k = 16", "All pairs, k = 16", "All pairs, k = 5"):
+            choose(browser, 1, title)
+            wait(lambda title=title: shown(browser) == title)
+            assert (canvas_pixels(browser) < 250).any()
+
+
+def test_phone_screen_needs_no_sideways_scrolling(browser):
+    metrics = {"width": 380, "height": 760, "deviceScaleFactor": 2, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    try:
+        width = browser.execute_script("return document.documentElement.scrollWidth")
+        assert width <= 380
+        assert (canvas_pixels(browser) < 250).any()
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_page_prints(browser):
+    printed = browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})
+    assert base64.b64decode(printed["data"])[:5] == b"%PDF-"
+    visible = browser.execute_script(
+        "return [...document.styleSheets[0].cssRules].some((r) => r.conditionText === 'print')"
+    )
+    assert visible
+
+
+def test_console_is_still_silent_at_the_end(browser):
+    assert browser.get_log("browser") == []
