@@ -2,15 +2,15 @@
 #include "help.h"
 
 #define SPHEROSEG_CITATION                                                                         \
-    "<br>See:<br>"                                                                                 \
-    "<i>Huadong Zhang, Lizhou Cao, Chao Peng</i><br>"                                              \
-    "<b>\"Spherical Parametric Measurement for Continuous and Balanced Mesh Segmentation\"</b>"    \
-    "<br>High-Performance Graphics, 2023<br>"
+    "<b>See</b> Huadong Zhang, Lizhou Cao, Chao Peng: <i>Spherical Parametric Measurement for "    \
+    "Continuous and Balanced Mesh Segmentation</i>, High-Performance Graphics, 2023."
 
 #define SPHEROSEG_PRECONDITION                                                                     \
     "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "       \
-    "component and genus 0 with finite coordinates; unreferenced vertices are ignored. For any "   \
-    "other mesh the filter fails, says what is wrong, and changes nothing.<br>"
+    "component and genus 0 (no handles: a ball or an animal, not a ring) with finite "             \
+    "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "   \
+    "what is wrong, "                                                                              \
+    "and changes nothing.<br>"
 
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
@@ -23,21 +23,24 @@
 namespace spheroseg {
 
 const char* const kSegmentationHelp =
-    "Cuts a mesh into sub-meshes of equal size: their triangle counts differ by at most one. The "
-    "mesh is mapped onto the unit sphere, triangles are grouped there into compact sub-meshes, "
-    "and then the boundaries are refined.<br>" SPHEROSEG_PRECONDITION
+    "Cuts a closed surface into sub-meshes of equal size: their triangle counts differ by at most "
+    "one. With the method <i>fast</i> each is in one piece and touches itself at no single vertex "
+    "(no bowtie), and the boundaries between them are short. Say how many sub-meshes there shall "
+    "be, or how many triangles each shall have; the other parameters can stay as they "
+    "are.<br>" SPHEROSEG_PRECONDITION
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
-    "apart (option <i>colorize</i>). Nothing else is changed. A valid per-vertex attribute "
-    "<i>sphere_position</i> (see Spherical Parametrization) is used instead of a new map. The same "
-    "seed gives the same labels, on every run and for any number of threads.<br>"
-    "<b>Returns</b> <i>submesh_count</i>, <i>triangle_count</i>, <i>min_submesh_triangles</i>, "
-    "<i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
+    "apart. The measures of the result are in the log. Labels depend on how the triangles are "
+    "connected and on the seed, not on the coordinates or the number of threads. A "
+    "valid per-vertex attribute <i>sphere_position</i> (see Spherical Parametrization) is used "
+    "instead of a new map.<br>"
+    "<small><b>Returns</b> to PyMeshLab <i>submesh_count</i>, <i>triangle_count</i>, "
+    "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
     ", <i>cohesion_iterations</i>, <i>refinement_iterations</i>, <i>parametrization_seconds</i>, "
     "<i>cohesion_seconds</i>, <i>refinement_seconds</i>, <i>total_seconds</i>, "
     "<i>time_limit_hit</i>, <i>used_cuda</i>, and for each iteration (cohesion, then refinement) "
     "<i>boundary_edges_by_iteration</i>, <i>seconds_by_iteration</i>, "
-    "<i>energy_by_iteration</i>.<br>" SPHEROSEG_CITATION;
+    "<i>energy_by_iteration</i>.</small><br>" SPHEROSEG_CITATION;
 
 const char* const kParametrizationHelp =
     "Maps a mesh onto the unit sphere without flipped triangles: the mesh is collapsed to a "

@@ -221,3 +221,26 @@ def test_sample_meshes_of_pymeshlab(sample, name):
     assert len(counts) == 200
     assert np.ptp(counts) <= 1
     assert result["max_triangle_count_difference"] == np.ptp(counts)
+
+
+@pytest.mark.parametrize("method", ["fast", "all_pairs"])
+def test_labels_do_not_depend_on_the_coordinates(sample, method):
+    # So MeshLab, in single precision, and PyMeshLab, in double, give the same labels.
+    given = sample("cow.obj")
+    there = given.current_mesh()
+    moved = document(there.vertex_matrix().astype(np.float32), there.face_matrix())
+    shaken = document(
+        np.random.default_rng(7).normal(size=(there.vertex_number(), 3)), there.face_matrix()
+    )
+    labels = []
+    for mesh_set in (given, moved, shaken):
+        mesh_set.apply_filter(
+            SEGMENTATION,
+            submesh_count=20,
+            method=method,
+            max_cohesion_iterations=3,
+            max_refinement_iterations=1,
+        )
+        labels.append(labels_of(mesh_set))
+    assert np.array_equal(labels[0], labels[1])
+    assert np.array_equal(labels[0], labels[2])
