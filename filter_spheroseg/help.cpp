@@ -9,8 +9,7 @@
     "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "       \
     "component and genus 0 (no handles: a ball or an animal, not a ring) with finite "             \
     "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "   \
-    "what is wrong, "                                                                              \
-    "and changes nothing.<br>"
+    "what is wrong, and changes nothing.<br>"
 
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
