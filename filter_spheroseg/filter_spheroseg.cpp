@@ -2,6 +2,7 @@
 #include "filter_spheroseg.h"
 
 #include "coloring.h"
+#include "generate_layers.h"
 #include "help.h"
 #include "mesh_adapter.h"
 #include "parameters.h"
@@ -62,7 +63,7 @@ MeshModel& still_the_same(MeshDocument& document, int mesh_id, const HostMesh& h
 } // namespace
 
 FilterSpheroSegPlugin::FilterSpheroSegPlugin() {
-    typeList = {SEGMENTATION, PARAMETRIZATION, MEASURES};
+    typeList = {SEGMENTATION, PARAMETRIZATION, MEASURES, LAYERS};
     for (ActionIDType filter : types()) {
         actionList.push_back(new QAction(filterName(filter), this));
     }
@@ -84,6 +85,8 @@ QString FilterSpheroSegPlugin::filterName(ActionIDType filter) const {
         return "Spherical Parametrization (SpheroSeg)";
     case MEASURES:
         return "Segmentation Measures (SpheroSeg)";
+    case LAYERS:
+        return "Split into Sub-mesh Layers (SpheroSeg)";
     }
     return {};
 }
@@ -96,6 +99,8 @@ QString FilterSpheroSegPlugin::pythonFilterName(ActionIDType filter) const {
         return "compute_spherical_parametrization_per_vertex";
     case MEASURES:
         return "get_segmentation_measures";
+    case LAYERS:
+        return "generate_submesh_layers";
     }
     return {};
 }
@@ -108,12 +113,14 @@ QString FilterSpheroSegPlugin::filterInfo(ActionIDType filter) const {
         return kParametrizationHelp;
     case MEASURES:
         return kMeasuresHelp;
+    case LAYERS:
+        return kLayersHelp;
     }
     return {};
 }
 
-FilterPlugin::FilterClass FilterSpheroSegPlugin::getClass(const QAction*) const {
-    return FilterPlugin::Quality;
+FilterPlugin::FilterClass FilterSpheroSegPlugin::getClass(const QAction* action) const {
+    return ID(action) == LAYERS ? FilterPlugin::Layer : FilterPlugin::Quality;
 }
 
 FilterPlugin::FilterArity FilterSpheroSegPlugin::filterArity(const QAction*) const {
@@ -121,8 +128,9 @@ FilterPlugin::FilterArity FilterSpheroSegPlugin::filterArity(const QAction*) con
 }
 
 int FilterSpheroSegPlugin::getPreConditions(const QAction* action) const {
-    return ID(action) == MEASURES ? MeshModel::MM_FACENUMBER | MeshModel::MM_FACEQUALITY
-                                  : MeshModel::MM_FACENUMBER;
+    const bool needs_labels = ID(action) == MEASURES || ID(action) == LAYERS;
+    return needs_labels ? MeshModel::MM_FACENUMBER | MeshModel::MM_FACEQUALITY
+                        : MeshModel::MM_FACENUMBER;
 }
 
 int FilterSpheroSegPlugin::postCondition(const QAction* action) const {
@@ -159,6 +167,8 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
             return parametrize(document, parameters, to_progress(callback));
         case MEASURES:
             return measure(*document.mm());
+        case LAYERS:
+            return generate_layers(document);
         }
     } catch (const MLException&) {
         throw;
@@ -255,6 +265,19 @@ Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
     const Measures measures = spheroseg::measure(host.mesh, dual_graph, labels, submesh_count);
     log(GLLogStream::FILTER, summary(measures));
     return measure_results(measures);
+}
+
+Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document) {
+    const MeshModel& source = *document.mm();
+    const HostMesh host = read_mesh(source.cm);
+    const std::vector<int> labels = read_labels(source.cm, host);
+    if (labels.empty()) {
+        throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
+                           "mesh first.");
+    }
+    const int layer_count = generate_submesh_layers(document, source, host, labels);
+    log("%i layers made, one for each sub-mesh", layer_count);
+    return {{"layer_count", layer_count}};
 }
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterSpheroSegPlugin)

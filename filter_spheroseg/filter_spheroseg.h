@@ -16,7 +16,7 @@ class FilterSpheroSegPlugin : public QObject, public FilterPlugin {
     Q_INTERFACES(FilterPlugin)
 
 public:
-    enum FilterId { SEGMENTATION, PARAMETRIZATION, MEASURES };
+    enum FilterId { SEGMENTATION, PARAMETRIZATION, MEASURES, LAYERS };
 
     FilterSpheroSegPlugin();
 
@@ -46,6 +46,7 @@ private:
                                    const RichParameterList& parameters,
                                    const spheroseg::Progress& progress);
     spheroseg::Results measure(const MeshModel& model);
+    spheroseg::Results generate_layers(MeshDocument& document);
 
     spheroseg::PreparedMeshCache cache_;
     std::atomic<bool> running_{false};

@@ -65,4 +65,15 @@ const char* const kMeasuresHelp =
     "<b>Returns</b> " SPHEROSEG_MEASURES ", and <i>submesh_triangles</i> (triangle count of each "
     "label from 0 to the largest).<br>" SPHEROSEG_CITATION;
 
+const char* const kLayersHelp =
+    "Makes a new layer for each sub-mesh that is given by the labels in face quality, whoever "
+    "wrote them; a label without faces gets none.<br>"
+    "<b>Needs</b> face quality with whole numbers from 0 to 16777215; anything else is an error. "
+    "The mesh may be open and of any genus.<br>"
+    "<b>Writes</b> layers in the order of the labels, each with all attributes of its vertices and "
+    "faces, the per-vertex custom attribute <i>source_vertex</i> and the per-face custom attribute "
+    "<i>source_face</i>: the indices in the source mesh, counted without deleted elements. The "
+    "source mesh stays current and is not changed.<br>"
+    "<b>Returns</b> <i>layer_count</i>.<br>" SPHEROSEG_CITATION;
+
 } // namespace spheroseg

@@ -7,5 +7,6 @@ namespace spheroseg {
 extern const char* const kSegmentationHelp;
 extern const char* const kParametrizationHelp;
 extern const char* const kMeasuresHelp;
+extern const char* const kLayersHelp;
 
 } // namespace spheroseg

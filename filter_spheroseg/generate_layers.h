@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "mesh_adapter.h"
+
+#include <common/ml_document/mesh_document.h>
+
+namespace spheroseg {
+
+/// Per-vertex and per-face scalar attributes of a sub-mesh's layer: the indices in the source
+/// mesh, counted without its deleted elements. A single precision host holds them exactly up to
+/// 2^24.
+inline constexpr const char* kSourceVertex = "source_vertex";
+inline constexpr const char* kSourceFace = "source_face";
+
+/// Adds a layer for each label that has faces, in the order of the labels: its faces and their
+/// vertices with all attributes, texture names and the transformation of `source`, normals
+/// included. `labels` has one entry per face of `host`, which was read from `source`. `source`
+/// stays the current mesh and is not changed. Returns the number of layers. When memory runs out
+/// the layers made so far are removed again. O(F + V + k). Throws InvalidInput when a face uses a
+/// deleted vertex.
+int generate_submesh_layers(MeshDocument& document,
+                            const MeshModel& source,
+                            const HostMesh& host,
+                            const std::vector<int>& labels);
+
+} // namespace spheroseg

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The filter that makes a layer for each sub-mesh."""
+
+import numpy as np
+import pymeshlab
+import pytest
+from host_meshes import SEGMENTATION, document, ellipsoid, labels_of, mesh_count, state
+from shapes import bumpy_sphere, octahedron
+
+LAYERS = "generate_submesh_layers"
+
+
+def labelled(labels, vertices=None, faces=None, **attributes):
+    if vertices is None:
+        vertices, faces = octahedron()
+    mesh_set = pymeshlab.MeshSet()
+    scalars = np.asarray(labels, float)
+    mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces, f_scalar_array=scalars, **attributes))
+    return mesh_set
+
+
+def layers(mesh_set):
+    """The meshes after the first."""
+    return [mesh_set.mesh(index) for index in range(1, mesh_count(mesh_set))]
+
+
+def test_is_a_method_that_returns_the_number_of_layers():
+    mesh_set = labelled([0, 0, 0, 0, 1, 1, 1, 1])
+    assert mesh_set.generate_submesh_layers() == {"layer_count": 2}
+
+
+def test_halves_of_an_octahedron_by_hand():
+    mesh_set = labelled([0, 0, 0, 0, 1, 1, 1, 1])
+    mesh_set.apply_filter(LAYERS)
+    upper, lower = layers(mesh_set)
+    assert upper.vertex_custom_scalar_attribute_array("source_vertex").tolist() == [0, 1, 2, 3, 4]
+    assert lower.vertex_custom_scalar_attribute_array("source_vertex").tolist() == [0, 1, 2, 3, 5]
+    assert lower.face_custom_scalar_attribute_array("source_face").tolist() == [4, 5, 6, 7]
+    assert lower.face_matrix().tolist() == [[2, 0, 4], [1, 2, 4], [3, 1, 4], [0, 3, 4]]
+    assert upper.bounding_box().min().tolist() == [-1, -1, 0]
+
+
+def test_layers_of_a_segmentation_put_the_mesh_together_again():
+    mesh_set = ellipsoid()
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=9)
+    source = mesh_set.current_mesh()
+    vertices, faces, labels = source.vertex_matrix(), source.face_matrix(), labels_of(mesh_set)
+    colors = source.face_color_matrix()
+    mesh_set.apply_filter(LAYERS)
+    assert mesh_count(mesh_set) == 10
+    seen = []
+    for label, layer in enumerate(layers(mesh_set)):
+        source_vertex = layer.vertex_custom_scalar_attribute_array("source_vertex").astype(int)
+        source_face = layer.face_custom_scalar_attribute_array("source_face").astype(int)
+        assert np.array_equal(source_face, np.flatnonzero(labels == label))
+        assert np.array_equal(source_vertex[layer.face_matrix()], faces[source_face])
+        assert np.array_equal(source_vertex, np.unique(faces[source_face]))
+        assert np.array_equal(layer.vertex_matrix(), vertices[source_vertex])
+        assert np.array_equal(layer.face_color_matrix(), colors[source_face])
+        assert set(layer.face_scalar_array()) == {float(label)}
+        seen += source_face.tolist()
+    assert sorted(seen) == list(range(len(faces)))
+
+
+def test_attributes_of_vertices_and_faces_are_kept():
+    vertices, faces = bumpy_sphere(2, 0)
+    generator = np.random.default_rng(0)
+    labels = generator.integers(0, 5, size=len(faces))
+    mesh_set = labelled(
+        labels,
+        vertices,
+        faces,
+        v_color_matrix=generator.integers(0, 256, size=(len(vertices), 4)) / 255,
+        v_scalar_array=generator.random(len(vertices)),
+        v_normals_matrix=generator.random((len(vertices), 3)),
+        v_tex_coords_matrix=generator.random((len(vertices), 2)),
+        w_tex_coords_matrix=generator.random((3 * len(faces), 2)),
+    )
+    source = mesh_set.current_mesh()
+    source.add_vertex_custom_scalar_attribute(generator.random(len(vertices)), "warmth")
+    source.add_vertex_custom_point_attribute(generator.random((len(vertices), 3)), "flow")
+    source.add_face_custom_scalar_attribute(generator.random(len(faces)), "age")
+    source.add_face_custom_point_attribute(generator.random((len(faces), 3)), "wind")
+
+    def per_vertex(mesh):
+        return [
+            mesh.vertex_color_matrix(),
+            mesh.vertex_scalar_array(),
+            mesh.vertex_normal_matrix(),
+            mesh.vertex_tex_coord_matrix(),
+            mesh.vertex_custom_scalar_attribute_array("warmth"),
+            mesh.vertex_custom_point_attribute_matrix("flow"),
+        ]
+
+    def per_face(mesh):
+        return [
+            mesh.wedge_tex_coord_matrix().reshape(-1, 6),
+            mesh.face_custom_scalar_attribute_array("age"),
+            mesh.face_custom_point_attribute_matrix("wind"),
+        ]
+
+    of_vertices, of_faces = per_vertex(source), per_face(source)
+    mesh_set.apply_filter(LAYERS)
+    for layer in layers(mesh_set):
+        source_vertex = layer.vertex_custom_scalar_attribute_array("source_vertex").astype(int)
+        source_face = layer.face_custom_scalar_attribute_array("source_face").astype(int)
+        for kept, original in zip(per_vertex(layer), of_vertices, strict=True):
+            assert np.array_equal(kept, original[source_vertex])
+        for kept, original in zip(per_face(layer), of_faces, strict=True):
+            assert np.array_equal(kept, original[source_face])
+
+
+def test_source_stays_current_and_unchanged():
+    mesh_set = ellipsoid()
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
+    before = state(mesh_set) | {"mesh_count": 5}
+    mesh_set.apply_filter(LAYERS)
+    assert mesh_set.current_mesh_id() == 0
+    assert state(mesh_set) == before
+
+
+def test_a_label_without_faces_gets_no_layer():
+    mesh_set = labelled([0, 0, 0, 0, 7, 7, 7, 7])
+    assert mesh_set.apply_filter(LAYERS) == {"layer_count": 2}
+    assert [set(layer.face_scalar_array()) for layer in layers(mesh_set)] == [{0.0}, {7.0}]
+
+
+def test_a_layer_can_be_split_again_and_worked_on():
+    mesh_set = labelled([0, 0, 0, 0, 1, 1, 1, 1])
+    mesh_set.apply_filter(LAYERS)
+    mesh_set.set_current_mesh(1)
+    assert mesh_set.apply_filter(LAYERS) == {"layer_count": 1}
+    mesh_set.set_current_mesh(3)
+    again = mesh_set.current_mesh().vertex_custom_scalar_attribute_array("source_vertex")
+    assert again.tolist() == [0, 1, 2, 3, 4]
+    border = mesh_set.apply_filter("get_topological_measures")
+    assert border["boundary_edges"] == 4
+
+
+@pytest.mark.parametrize("value", [0.5, -1.0, np.nan])
+def test_rejects_a_quality_that_is_no_label(value):
+    mesh_set = labelled([0, 0, 0, value, 1, 1, 1, 1])
+    before = state(mesh_set)
+    with pytest.raises(pymeshlab.PyMeshLabException, match="face 3 has"):
+        mesh_set.apply_filter(LAYERS)
+    assert state(mesh_set) == before
+
+
+def test_rejects_a_mesh_without_face_quality():
+    mesh_set = document(*octahedron())
+    with pytest.raises(pymeshlab.PyMeshLabException, match=r"(?i)quality"):
+        mesh_set.apply_filter(LAYERS)
+    assert mesh_count(mesh_set) == 1
