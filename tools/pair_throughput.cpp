@@ -22,9 +22,10 @@ using namespace spheroseg;
 namespace {
 
 constexpr int kRepeats = 15;
+constexpr int kKernelRepeats = 200;
 constexpr int kLanes = 16;
 constexpr int kChains = 8;
-constexpr int kSteps = 1 << 20;
+constexpr int kSteps = 1 << 17;
 
 using Vector = float __attribute__((vector_size(kLanes * sizeof(float))));
 
@@ -73,7 +74,7 @@ void take_roots() {
 
 template <typename Function> double least_seconds(const Function& function) {
     double least = std::numeric_limits<double>::infinity();
-    for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    for (int repeat = 0; repeat < kKernelRepeats; ++repeat) {
         const Deadline watch;
         function();
         least = std::min(least, watch.elapsed_seconds());

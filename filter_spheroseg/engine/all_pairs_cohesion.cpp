@@ -21,8 +21,6 @@ constexpr int kPatience = 32;
 constexpr long long kPairsPerReport = 1LL << 26;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
 constexpr int kMinSlotsPerThread = 512;
-/// Slots of a tile: twice as many elements of 28 bytes.
-constexpr int kTileSlots = 512;
 /// Slots of a thread per round that it plays ahead of the others.
 constexpr int kWedgeShare = 8;
 /// Length of the random offset that parts coinciding centroids.
@@ -113,8 +111,8 @@ bool part_coinciding_centroids(PointArrays& centroids, std::uint64_t seed) {
 /// Slot j of a round meets the elements that slots j - 1, j and j + 1 met in the round before, so
 /// that a thread can play many rounds of its own slots ahead, leaving out one more slot per round
 /// at each end that it shares; after a barrier the wedges so left out are played. For the same
-/// reason it can play them tile by tile, each tile one slot lower in every round, so that the
-/// elements of a tile stay in the first-level cache. The order of the meetings of every element is
+/// reason it can play them tile by tile, each tile one slot lower in every round, so that one
+/// of the two faces of each pair stays. The order of the meetings of every element is
 /// that of the rounds, whatever the number of threads.
 long long play_rounds(ChordSwapState& state,
                       const RoundRobin& schedule,
@@ -139,14 +137,27 @@ long long play_rounds(ChordSwapState& state,
         };
         for (int first = round_begin; first < round_end; first += rounds_ahead) {
             const int last = std::min(first + rounds_ahead, round_end);
-            for (int tile = slot_begin; tile < slot_end + rounds_ahead; tile += kTileSlots) {
-                for (int round = first; round < last; ++round) {
+            for (int tile = slot_begin; tile < slot_end + rounds_ahead; tile += kColumnFaces) {
+                for (int round = first; round < last;) {
                     const int ahead = round - first;
                     const int begin = member == 0 ? 0 : slot_begin + ahead;
                     const int end = member == team - 1 ? slot_end : slot_end - ahead;
-                    play(round,
-                         std::max(begin, tile - ahead),
-                         std::min(end, tile - ahead + kTileSlots));
+                    const int slot = tile - ahead;
+                    PairRun run;
+                    int steps = 0;
+                    if (slot >= begin && slot + kColumnFaces <= end) {
+                        // The slots of a column that shares its lower end leave the thread's share.
+                        const int within = member == 0 ? last - round : (slot - begin) / 2 + 1;
+                        steps = schedule.sliding_run(
+                            round, slot, kColumnFaces, std::min(within, last - round), run);
+                    }
+                    if (steps > 0) {
+                        swap_count += swap_column(state, run.first, run.second, steps);
+                        round += steps;
+                    } else {
+                        play(round, std::max(begin, slot), std::min(end, slot + kColumnFaces));
+                        ++round;
+                    }
                 }
             }
             barrier->wait();

@@ -15,6 +15,8 @@ namespace spheroseg {
 namespace {
 
 constexpr int kBlockSize = 128;
+/// Steps of a column between two looks at whether any pair wants to swap.
+constexpr int kGroupSteps = 4;
 
 inline float chord(float ax, float ay, float az, float bx, float by, float bz) {
     const float dx = ax - bx;
@@ -50,6 +52,75 @@ bool compare_block(
         any |= wants;
     }
     return any != 0;
+}
+
+/// The second faces of a column in the order of the pairs, next to each other.
+struct alignas(64) Column {
+    float x[kColumnFaces];
+    float y[kColumnFaces];
+    float z[kColumnFaces];
+    float own_x[kColumnFaces];
+    float own_y[kColumnFaces];
+    float own_z[kColumnFaces];
+    float distance[kColumnFaces];
+};
+
+Column load_column(const ChordSwapState& state, int second) {
+    Column column;
+    for (int j = 0; j < kColumnFaces; ++j) {
+        const int f = second - j;
+        column.x[j] = state.face.x[f];
+        column.y[j] = state.face.y[f];
+        column.z[j] = state.face.z[f];
+        column.own_x[j] = state.own.x[f];
+        column.own_y[j] = state.own.y[f];
+        column.own_z[j] = state.own.z[f];
+        column.distance[j] = state.distance[f];
+    }
+    return column;
+}
+
+/// Steps before the first group of `kGroupSteps` in which any pair wants to swap; all of them when
+/// none does.
+SPHEROSEG_WIDEST_VECTORS
+int quiet_steps(const ChordSwapState& state, int first, const Column& column_in, int step_count) {
+    const Column column = column_in;
+    const float* const face_x = state.face.x.data();
+    const float* const face_y = state.face.y.data();
+    const float* const face_z = state.face.z.data();
+    const float* const own_x = state.own.x.data();
+    const float* const own_y = state.own.y.data();
+    const float* const own_z = state.own.z.data();
+    const float* const distance = state.distance.data();
+    for (int step = 0; step + kGroupSteps <= step_count; step += kGroupSteps) {
+        int wants_swap[kColumnFaces] = {};
+        for (int i = step; i < step + kGroupSteps; ++i) {
+            const int a = first - 2 * i;
+            for (int j = 0; j < kColumnFaces; ++j) {
+                const float d3 = chord(face_x[a + j],
+                                       face_y[a + j],
+                                       face_z[a + j],
+                                       column.own_x[j],
+                                       column.own_y[j],
+                                       column.own_z[j]);
+                const float d4 = chord(column.x[j],
+                                       column.y[j],
+                                       column.z[j],
+                                       own_x[a + j],
+                                       own_y[a + j],
+                                       own_z[a + j]);
+                wants_swap[j] |= distance[a + j] + column.distance[j] > d3 + d4 ? 1 : 0;
+            }
+        }
+        int any = 0;
+        for (int j = 0; j < kColumnFaces; ++j) {
+            any |= wants_swap[j];
+        }
+        if (any != 0) {
+            return step;
+        }
+    }
+    return step_count - step_count % kGroupSteps;
 }
 
 void swap_pair(ChordSwapState& state, int a, int b) {
@@ -91,6 +162,20 @@ int swap_run(ChordSwapState& state, const PairRun& run) {
                 swap_pair(state, first + i, second - i);
                 ++swap_count;
             }
+        }
+    }
+    return swap_count;
+}
+
+int swap_column(ChordSwapState& state, int first, int second, int step_count) {
+    int swap_count = 0;
+    int step = 0;
+    while (step < step_count) {
+        const Column column = load_column(state, second);
+        step += quiet_steps(state, first - 2 * step, column, step_count - step);
+        const int group_end = std::min(step + kGroupSteps, step_count);
+        for (; step < group_end; ++step) {
+            swap_count += swap_run(state, {first - 2 * step, second, kColumnFaces});
         }
     }
     return swap_count;

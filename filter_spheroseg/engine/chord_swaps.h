@@ -53,4 +53,12 @@ void measure_distances(ChordSwapState& state);
 /// Algorithm 1 on each pair of a run, whose faces are all different. Returns the number of swaps.
 int swap_run(ChordSwapState& state, const PairRun& run);
 
+/// Faces that stay in one tile of `swap_column`.
+constexpr int kColumnFaces = 16;
+
+/// Plays `step_count` rounds of 16 slots: step i meets (first - 2 i + j, second - j) for j in
+/// [0, 16), so that the second faces stay and the first ones slide down. Returns the number of
+/// swaps. Same result as `swap_run` on each step in turn.
+int swap_column(ChordSwapState& state, int first, int second, int step_count);
+
 } // namespace spheroseg

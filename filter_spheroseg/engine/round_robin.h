@@ -65,6 +65,22 @@ public:
         }
     }
 
+    /// How many rounds from `round` on, at most `round_limit`, meet whole and unbroken runs of
+    /// `slot_count` pairs in the slots [slot, slot + slot_count), [slot - 1, ...), [slot - 2, ...):
+    /// their second elements are the same in all of them, and the first ones move down by 2. `run`
+    /// becomes the first of them.
+    int sliding_run(int round, int slot, int slot_count, int round_limit, PairRun& run) const {
+        const int modulus = even_count_ - 1;
+        const int limit = element_count_ - 1;
+        const int up = wrap(slot - 1 - round, modulus);
+        const int down = wrap(even_count_ - 2 - slot - round, modulus);
+        if (slot < 1 || up + slot_count > limit || down >= limit || down + 1 < slot_count) {
+            return 0;
+        }
+        run = {up + 1, down + 1, slot_count};
+        return std::min({round_limit, slot, up / 2 + 1});
+    }
+
 private:
     static int wrap(int value, int modulus) { return value < 0 ? value + modulus : value; }
 

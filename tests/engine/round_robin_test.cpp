@@ -86,6 +86,32 @@ TEST(RoundRobin, PartsOfARoundJoinToTheWholeRound) {
     }
 }
 
+TEST(RoundRobin, SlidingRunsAreTheRunsOfTheRounds) {
+    constexpr int kSlots = 5;
+    for (int count : {40, 41}) {
+        const RoundRobin schedule(count);
+        int step_total = 0;
+        for (int round = 0; round < schedule.round_count(); ++round) {
+            for (int slot = 0; slot + kSlots <= schedule.slot_count(); ++slot) {
+                PairRun run{};
+                const int limit = schedule.round_count() - round;
+                const int steps = schedule.sliding_run(round, slot, kSlots, limit, run);
+                for (int step = 0; step < steps; ++step) {
+                    Pairs expected;
+                    for (int i = 0; i < kSlots; ++i) {
+                        expected.emplace_back(run.first - 2 * step + i, run.second - i);
+                    }
+                    EXPECT_EQ(
+                        pairs_of_round(schedule, round + step, slot - step, slot - step + kSlots),
+                        expected);
+                }
+                step_total += steps;
+            }
+        }
+        EXPECT_GT(step_total, 1000);
+    }
+}
+
 TEST(RoundRobin, ARoundIsFewRuns) {
     for (int count : {1000, 1001}) {
         const RoundRobin schedule(count);
