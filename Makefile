@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
-.PHONY: help demo report test setup setup-run plugin plugin-gui install-gui gui-root \
+.PHONY: help demo report test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
 	test-style test-engine test-sanitize test-plugin test-python test-gui test-hosts
 
 PYTHON := .venv/bin/python
@@ -79,6 +79,10 @@ test-python: test-plugin
 
 test-gui: gui-root plugin-gui plugin
 	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest tests/gui
+
+# The screenshots of docs/meshlab.md; their originals stay in out/gui/docs.
+docs-pictures: gui-root plugin-gui plugin
+	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) tests/gui/docs_pictures.py
 
 # Not part of `make test`: the same sources in the PyMeshLab releases before this one.
 test-hosts: setup

@@ -7,6 +7,8 @@
 #include "mesh_adapter.h"
 #include "parameters.h"
 
+#include <QFileInfo>
+
 using namespace spheroseg;
 
 // The Python package searches the file for this text, to say what a plugin that can not be loaded
@@ -58,6 +60,20 @@ MeshModel& still_the_same(MeshDocument& document, int mesh_id, const HostMesh& h
                            "written; apply the filter again.");
     }
     return *model;
+}
+
+void add_sphere_layer(MeshDocument& document,
+                      MeshModel& model,
+                      const HostMesh& host,
+                      const std::vector<Vec3>& positions) {
+    // MeshLab's list of layers shows a label only up to its first dot.
+    const QString name = QFileInfo(model.label()).completeBaseName();
+    // Not addNewMesh(mesh, ...): it would also switch on the unset vertex colours, and MeshLab
+    // would show these instead of the face colours.
+    MeshModel* layer = document.addNewMesh("", name + " (sphere)", false);
+    layer->cm = model.cm;
+    layer->updateDataMask(&model);
+    move_vertices(layer->cm, host, positions);
 }
 
 } // namespace
@@ -241,8 +257,7 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
     MeshModel& model = still_the_same(document, mesh_id, host);
     write_sphere_positions(model.cm, host, positions);
     if (parameters.getBool("new_layer")) {
-        MeshModel* layer = document.addNewMesh(model.cm, model.label() + " (sphere)", false);
-        move_vertices(layer->cm, host, positions);
+        add_sphere_layer(document, model, host, positions);
     }
     const double seconds = watch.elapsed_seconds();
     log("%i vertices on the sphere; %i flipped triangles, mean area distortion %.3g; %.3g s",

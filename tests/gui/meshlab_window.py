@@ -194,6 +194,9 @@ class MeshLabWindow:
         """Finds a filter by the search box and opens its dialog."""
         self.search(name)
         self.screen.keys("Down", "Return")
+        return self.wait_for_dialog(name)
+
+    def wait_for_dialog(self, name: str) -> "FilterDialog":
         self.wait_for_window(name)
         self.screen.settle()
         return FilterDialog(self, name)

@@ -26,6 +26,15 @@ def wait_until(condition: Callable[[], object], what: str, seconds: float = 20.0
         time.sleep(POLL_SECONDS)
 
 
+def vivid_colors(pixels: np.ndarray) -> int:
+    """How many clearly different colours, grey ones aside, the picture has; noise is left out."""
+    flat = pixels.reshape(-1, 3).astype(int)
+    hue_like = flat - flat.min(axis=1, keepdims=True)
+    vivid = flat[hue_like.max(axis=1) > 60] // 32
+    _, counts = np.unique(vivid, axis=0, return_counts=True)
+    return int((counts > 20).sum())
+
+
 @dataclass(frozen=True)
 class Window:
     """A visible top-level window; x, y, width and height are those of its content."""

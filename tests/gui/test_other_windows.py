@@ -9,11 +9,13 @@ import numpy as np
 import pymeshlab
 import pytest
 from meshlab_window import MeshLabWindow, root_command
+from screen import vivid_colors
 
 from spheroseg import cli, install
 
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
 PARAMETRIZATION = "Spherical Parametrization (SpheroSeg)"
+LAYERS = "Split into Sub-mesh Layers (SpheroSeg)"
 SUBMESH_COUNT, _, SEED = range(3)
 
 
@@ -23,8 +25,11 @@ def labels_of(path):
     return meshes.current_mesh().face_scalar_array().astype(int)
 
 
-def test_the_sphere_appears_as_a_layer_of_its_own(meshlab, cow):
+def test_the_sphere_appears_as_a_layer_of_its_own_with_the_colours(meshlab, cow):
     meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.apply()
+    dialog.close()
     dialog = meshlab.open_filter(PARAMETRIZATION)
     meshlab.screenshot("dialog")
     dialog.toggle_only_check_box()
@@ -34,6 +39,7 @@ def test_the_sphere_appears_as_a_layer_of_its_own(meshlab, cow):
     dialog.close()
     meshlab.select_layer(1)
     meshlab.hide_layer(0)
+    assert vivid_colors(meshlab.canvas()) > 20
     meshlab.show_whole_scene()
     meshlab.screenshot("sphere")
     meshes = pymeshlab.MeshSet()
@@ -158,3 +164,20 @@ def test_the_plugin_needs_nothing_that_the_meshlab_system_lacks(
     # MeshLab's own library lies in MeshLab's folder and is in the process already.
     missing = [line for line in listed.splitlines() if "not found" in line]
     assert not [line for line in missing if "libmeshlab-common" not in line]
+
+
+def test_each_submesh_becomes_a_layer_in_its_colour(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(SUBMESH_COUNT, "6")
+    dialog.apply()
+    dialog.close()
+    meshlab.run_filter_without_parameters(LAYERS)
+    meshlab.hide_layer(0)
+    meshlab.screenshot("layers")
+    assert vivid_colors(meshlab.canvas()) > 5
+    meshlab.select_layer(3)
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(meshlab.export("layer.ply")))
+    assert meshes.current_mesh().face_number() in (967, 968)
+    assert meshlab.quit() == 0

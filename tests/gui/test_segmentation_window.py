@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pymeshlab
 import pytest
-from screen import wait_until
+from screen import vivid_colors, wait_until
 
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
 MEASURES = "Segmentation Measures (SpheroSeg)"
@@ -29,15 +29,6 @@ def assert_balanced(labels, submesh_count):
     counts = np.bincount(labels)
     assert len(counts) == submesh_count
     assert counts.max() - counts.min() <= 1
-
-
-def vivid_colors(pixels):
-    """How many clearly different colours, grey ones aside, the picture has; noise is left out."""
-    flat = pixels.reshape(-1, 3).astype(int)
-    hue_like = flat - flat.min(axis=1, keepdims=True)
-    vivid = flat[hue_like.max(axis=1) > 60] // 32
-    _, counts = np.unique(vivid, axis=0, return_counts=True)
-    return int((counts > 20).sum())
 
 
 def test_stands_in_the_menu_of_quality_measures(meshlab, cow):
