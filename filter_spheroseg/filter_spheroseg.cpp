@@ -7,8 +7,6 @@
 #include "mesh_adapter.h"
 #include "parameters.h"
 
-#include <QFileInfo>
-
 using namespace spheroseg;
 
 // The Python package searches the file for this text, to say what a plugin that can not be loaded
@@ -66,11 +64,9 @@ void add_sphere_layer(MeshDocument& document,
                       MeshModel& model,
                       const HostMesh& host,
                       const std::vector<Vec3>& positions) {
-    // MeshLab's list of layers shows a label only up to its first dot.
-    const QString name = QFileInfo(model.label()).completeBaseName();
     // Not addNewMesh(mesh, ...): it would also switch on the unset vertex colours, and MeshLab
     // would show these instead of the face colours.
-    MeshModel* layer = document.addNewMesh("", name + " (sphere)", false);
+    MeshModel* layer = document.addNewMesh("", layer_name(model) + " (sphere)", false);
     layer->cm = model.cm;
     layer->updateDataMask(&model);
     move_vertices(layer->cm, host, positions);

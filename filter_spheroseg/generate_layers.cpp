@@ -6,9 +6,15 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 #include <vcg/complex/algorithms/update/selection.h>
 
+#include <QFileInfo>
+
 #include <algorithm>
 
 namespace spheroseg {
+
+QString layer_name(const MeshModel& source) {
+    return QFileInfo(source.label()).completeBaseName();
+}
 
 namespace {
 
@@ -172,7 +178,7 @@ int generate_submesh_layers(MeshDocument& document,
                 continue;
             }
             const Part part = collector.collect(std::move(faces[label]));
-            const QString name = source.label() + " " + QString::number(label);
+            const QString name = layer_name(source) + " " + QString::number(label);
             MeshModel* layer = document.addNewMesh(QString(), name, false);
             made.push_back(layer->id());
             layer->updateDataMask(source.dataMask() & ~kNotCopied);
