@@ -2,8 +2,10 @@
 """The sphere as a layer, filter scripts, and the installation as MeshLab sees it."""
 
 import os
+import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -13,6 +15,7 @@ from screen import vivid_colors
 
 from spheroseg import cli, install
 
+REPOSITORY = Path(__file__).resolve().parents[2]
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
 PARAMETRIZATION = "Spherical Parametrization (SpheroSeg)"
 LAYERS = "Split into Sub-mesh Layers (SpheroSeg)"
@@ -181,3 +184,15 @@ def test_each_submesh_becomes_a_layer_in_its_colour(meshlab, cow):
     meshes.load_new_mesh(str(meshlab.export("layer.ply")))
     assert meshes.current_mesh().face_number() in (967, 968)
     assert meshlab.quit() == 0
+
+
+def test_the_filters_that_error_messages_name_exist_in_meshlab(meshlab_root):
+    source = REPOSITORY / "filter_spheroseg" / "engine" / "validity.cpp"
+    text = re.sub(r'"\s*\n\s*"', "", source.read_text())
+    named = set(re.findall(r'\\"([A-Z][^"\\]*)\\"', text))
+    assert {"Close Holes", "Merge Close Vertices"} <= named
+    named.discard("Alpha Wrap")  # in MeshLab's own builds, but not in Debian's
+    plugins = [path.read_bytes() for path in meshlab_root.glob("usr/lib/*/meshlab/plugins/*.so")]
+    for name in named:
+        spellings = (name.encode(), name.encode("utf-16-le"))
+        assert any(s in plugin for plugin in plugins for s in spellings), name
