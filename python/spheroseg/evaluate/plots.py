@@ -69,6 +69,8 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
             places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
             axis.bar(places, values.values(), width, label=titles[method], color=_colour(index))
         axis.set_xticks(range(len(meshes)), meshes, rotation=20)
+        axis.set_yscale("log")
+        axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")
         axis.legend(fontsize=7, ncols=2)
         return _svg(figure)

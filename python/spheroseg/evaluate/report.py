@@ -45,7 +45,7 @@ def write_report(
         summary=summary(done),
         rows=_table_rows(rows),
         environment=environment,
-        memory_k=counts[-1],
+        largest_k=counts[-1],
         vertex_bytes=VERTEX_BYTES,
         triangle_bytes=TRIANGLE_BYTES,
         **_plots(folder, done, counts[-1]),
@@ -125,16 +125,17 @@ def _table_rows(rows: list[dict]) -> list[dict]:
     return shown
 
 
-def _plots(folder: Path, done: list[dict], memory_k: int) -> dict[str, Any]:
+def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
     titles = {name: METHODS[name].title for name in _in_order(done)}
-    files = {}
+    files, iteration_plots = {}, []
     for row in done:
         title = f"{row['mesh']}, k = {row['submesh_count']}: {titles[row['method']]}"
         svg = plots.iterations(row, title)
         if svg:
             files[f"iterations-{_stem(row)}"] = svg
-    iteration_plots = list(files.values())
-    same_k = [row for row in done if row["submesh_count"] == memory_k]
+            if row["submesh_count"] == largest_k:
+                iteration_plots.append(svg)
+    same_k = [row for row in done if row["submesh_count"] == largest_k]
     memory = plots.shared_memory(same_k, titles) if same_k else ""
     quality = plots.quality_and_time(done, titles) if done else ""
     files |= {"shared-memory": memory, "quality-and-time": quality}

@@ -59,7 +59,7 @@ class Viewer {
         if (!this.gl) throw new Error("this browser has no WebGL 2");
         this.picked = -1;
         this.rotation = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-        this.zoom = 1;
+        this.zoom = 1.3;
         this.pointers = new Map();
         this.build();
         this.listen();
