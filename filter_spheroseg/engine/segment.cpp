@@ -3,6 +3,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "fast_segmentation.h"
 
 #include <algorithm>
 #include <utility>
@@ -83,9 +84,17 @@ PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count)
 
 const CollapseHierarchy& PreparedMesh::hierarchy(int thread_count, const Progress& progress) {
     if (!hierarchy_) {
-        hierarchy_ = build_hierarchy(mesh_, dual_graph_, thread_count, progress);
+        hierarchy_ = std::make_unique<CollapseHierarchy>(
+            build_hierarchy(mesh_, dual_graph_, thread_count, progress));
     }
     return *hierarchy_;
+}
+
+const Multilevel& PreparedMesh::multilevel(int thread_count, const Progress& progress) {
+    if (!multilevel_) {
+        multilevel_.emplace(hierarchy(thread_count, progress), mesh_.face_count());
+    }
+    return *multilevel_;
 }
 
 const Parametrization& PreparedMesh::parametrization(int thread_count, const Progress& progress) {
@@ -141,10 +150,6 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
         throw DeviceError("Expected a build with CUDA for device \"cuda\", found one built without "
                           "CUDA. Use device \"auto\" or \"cpu\".");
     }
-    if (options.method == Method::fast) {
-        throw InvalidOptions("Expected method \"all_pairs\", found \"fast\", which is not built "
-                             "yet. Use \"all_pairs\".");
-    }
 }
 
 Segmentation segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) {
@@ -154,8 +159,10 @@ Segmentation segment(PreparedMesh& mesh, const SegmentOptions& options, const Pr
     const int submesh_count = requested_submesh_count(options, mesh.mesh().face_count());
     Segmentation result;
     switch (options.method) {
-    case Method::all_pairs:
     case Method::fast:
+        segment_fast(mesh, options, submesh_count, deadline, progress, result);
+        break;
+    case Method::all_pairs:
         segment_all_pairs(mesh, options, submesh_count, deadline, progress, result);
         break;
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "measures.h"
+#include "multilevel.h"
 #include "parametrization.h"
 #include "validity.h"
 
@@ -19,7 +20,7 @@ struct SegmentOptions {
     int submesh_count = 0;
     /// If > 0, k = ceil(F / triangles_per_submesh) instead.
     int triangles_per_submesh = 0;
-    Method method = Method::all_pairs;
+    Method method = Method::fast;
     /// How long `fast` refines; every effort gives the same guarantees.
     Effort effort = Effort::standard;
     Device device = Device::automatic;
@@ -67,6 +68,8 @@ public:
     const DualGraph& dual_graph() const { return dual_graph_; }
     const MeshReport& report() const { return report_; }
     const CollapseHierarchy& hierarchy(int thread_count = 0, const Progress& progress = {});
+    /// Coarse versions of the mesh, for `fast`.
+    const Multilevel& multilevel(int thread_count = 0, const Progress& progress = {});
     const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
     /// Uses a map made before; returns false and changes nothing when it is not valid.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
@@ -75,7 +78,8 @@ private:
     TriangleMesh mesh_;
     DualGraph dual_graph_;
     MeshReport report_;
-    std::optional<CollapseHierarchy> hierarchy_;
+    std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for multilevel_
+    std::optional<Multilevel> multilevel_;
     std::optional<Parametrization> parametrization_;
 };
 

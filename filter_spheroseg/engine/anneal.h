@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+#include "progress.h"
+
+namespace spheroseg {
+
+/// Simulated annealing of the boundaries (Kirkpatrick, Gelatt, Vecchi: Optimization by Simulated
+/// Annealing, 1983). The energy is the number of boundary edges plus, for every sub-mesh,
+/// balance_weight * ((load - mean load) / mean face weight)^2.
+struct AnnealSchedule {
+    /// Moves tried per face that touches a boundary, over all phases.
+    double proposals_per_face = 100.0;
+    int phase_count = 24;
+    /// In boundary edges; falls geometrically over the phases.
+    double temperature_begin = 0.6;
+    double temperature_end = 0.15;
+    /// Rises geometrically over the phases.
+    double balance_weight_begin = 0.01;
+    double balance_weight_end = 0.3;
+    std::uint64_t seed = 0;
+    int thread_count = 0;
+};
+
+/// What a run over phases watches and tells.
+struct AnnealControl {
+    /// May be null. Stops early, between two phases, when it has expired.
+    const Deadline* deadline = nullptr;
+    /// At most so many phases of the schedule are run.
+    int max_phases = 1 << 30;
+    Progress progress;
+    /// May be null. One entry per phase is appended: boundary edges of the patchwork, seconds.
+    std::vector<double>* boundary_edges = nullptr;
+    std::vector<double>* seconds = nullptr;
+};
+
+/// Moves faces between neighbouring sub-meshes; all stay connected and free of bowties. In each
+/// phase the sub-meshes are parted into groups of neighbours, other ones every time; the groups
+/// are worked on in parallel, and the result does not depend on the number of threads.
+/// Throws Cancelled when the progress callback asks for it.
+void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealControl& control);
+
+/// Annealing at exact balance, on a patchwork of unit weights whose loads differ by at most one: a
+/// move is made only when that stays so, by itself or together with a move back from the other
+/// sub-mesh. The balance weights of the schedule are not used.
+void anneal_balanced(Patchwork& patchwork,
+                     const AnnealSchedule& schedule,
+                     const AnnealControl& control);
+
+} // namespace spheroseg

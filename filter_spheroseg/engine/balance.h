@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+
+namespace spheroseg {
+
+/// Makes the loads of a patchwork of unit weights differ by at most one, by passing single faces
+/// along shortest chains of sub-meshes from one that has too many to one that has too few, each
+/// time the face that costs the fewest boundary edges. All sub-meshes stay connected and free of
+/// bowties. Returns false when it got stuck before that; the patchwork is still as good as it can
+/// be made this way. Deterministic.
+bool balance_exactly(Patchwork& patchwork);
+
+} // namespace spheroseg

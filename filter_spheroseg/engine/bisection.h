@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+
+namespace spheroseg {
+
+/// Labels the cells by recursive level-set bisection of their dual graph: each part of the graph
+/// is ordered breadth first from a face at its end, and cut where the weights of both sides are as
+/// the numbers of sub-meshes that they will hold. Every label in [0, submesh_count) gets at least
+/// one face; sub-meshes may come out disconnected. O(F log k), parallel; the result does not
+/// depend on the number of threads. `seed` shifts where each search begins.
+void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count);
+
+} // namespace spheroseg

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "boundary.h"
+
+#include "random.h"
+#include "threads.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+namespace {
+
+/// Large enough that most boundaries lie inside a group, small enough to feed many threads.
+constexpr int kLabelsPerGroup = 24;
+
+bool touches_other_label(const Patchwork& patchwork, int face) {
+    const Cell& cell = patchwork.cells[face];
+    for (int neighbor : cell.neighbor) {
+        if (neighbor >= 0 && patchwork.cells[neighbor].label != cell.label) {
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace
+
+BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
+    : listed_(patchwork.cells.size(), 0) {
+    const int face_count = patchwork.face_count();
+    const int threads = resolve_thread_count(thread_count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int f = 0; f < face_count; ++f) {
+        listed_[f] = touches_other_label(patchwork, f);
+    }
+    for (int f = 0; f < face_count; ++f) {
+        if (listed_[f]) {
+            faces_.push_back(f);
+        }
+    }
+}
+
+std::int64_t count_boundary_edges(const Patchwork& patchwork) {
+    std::int64_t sides = 0;
+    for (const Cell& cell : patchwork.cells) {
+        for (int neighbor : cell.neighbor) {
+            sides += neighbor >= 0 && patchwork.cells[neighbor].label != cell.label;
+        }
+    }
+    return sides / 2;
+}
+
+SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces) {
+    const int submesh_count = patchwork.submesh_count();
+    // Boundary faces sorted by label, so that each label's neighbours are met together.
+    std::vector<int> face_begin(submesh_count + 1, 0);
+    for (int f : faces) {
+        ++face_begin[patchwork.cells[f].label + 1];
+    }
+    for (int l = 0; l < submesh_count; ++l) {
+        face_begin[l + 1] += face_begin[l];
+    }
+    std::vector<int> sorted(faces.size());
+    std::vector<int> fill(face_begin.begin(), face_begin.end() - 1);
+    for (int f : faces) {
+        sorted[fill[patchwork.cells[f].label]++] = f;
+    }
+    SubmeshGraph graph;
+    graph.begin.reserve(submesh_count + 1);
+    graph.begin.push_back(0);
+    std::vector<int> seen(submesh_count, -1);
+    for (int l = 0; l < submesh_count; ++l) {
+        seen[l] = l;
+        for (int i = face_begin[l]; i < face_begin[l + 1]; ++i) {
+            for (int neighbor : patchwork.cells[sorted[i]].neighbor) {
+                const int other = neighbor < 0 ? l : patchwork.cells[neighbor].label;
+                if (seen[other] != l) {
+                    seen[other] = l;
+                    graph.neighbors.push_back(other);
+                }
+            }
+        }
+        graph.begin.push_back(static_cast<int>(graph.neighbors.size()));
+    }
+    return graph;
+}
+
+void Grouping::regroup(const Patchwork& patchwork,
+                       const BoundaryFaces& boundary,
+                       std::uint64_t seed) {
+    const int submesh_count = patchwork.submesh_count();
+    const int wanted = std::max(1, submesh_count / kLabelsPerGroup);
+    group_of_label_.assign(submesh_count, wanted == 1 ? 0 : -1);
+    int group_count = wanted;
+    if (wanted > 1) {
+        const SubmeshGraph graph = build_submesh_graph(patchwork, boundary.faces());
+        Random random(seed, 0x67726f7570ULL);
+        std::vector<int> queue;
+        queue.reserve(submesh_count);
+        for (int g = 0; g < wanted; ++g) {
+            const int label = static_cast<int>(random.below(submesh_count));
+            if (group_of_label_[label] < 0) {
+                group_of_label_[label] = g;
+                queue.push_back(label);
+            }
+        }
+        for (int next_unseen = 0; next_unseen < submesh_count; ++next_unseen) {
+            for (std::size_t head = 0; head < queue.size(); ++head) {
+                const int label = queue[head];
+                for (int i = graph.begin[label]; i < graph.begin[label + 1]; ++i) {
+                    const int other = graph.neighbors[i];
+                    if (group_of_label_[other] < 0) {
+                        group_of_label_[other] = group_of_label_[label];
+                        queue.push_back(other);
+                    }
+                }
+            }
+            queue.clear();
+            // Another component of the surface.
+            if (group_of_label_[next_unseen] < 0) {
+                group_of_label_[next_unseen] = group_count++;
+                queue.push_back(next_unseen);
+            }
+        }
+    }
+    faces_.assign(group_count, {});
+    for (int f : boundary.faces()) {
+        faces_[group_of_label_[patchwork.cells[f].label]].push_back(f);
+    }
+}
+
+void Grouping::collect(BoundaryFaces& boundary) {
+    boundary.faces().clear();
+    for (const std::vector<int>& faces : faces_) {
+        boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());
+    }
+}
+
+} // namespace spheroseg

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+
+#include <cstdint>
+
+namespace spheroseg {
+
+/// The faces that may touch another sub-mesh: all that do, and some that did.
+class BoundaryFaces {
+public:
+    /// Finds them in O(F).
+    BoundaryFaces(const Patchwork& patchwork, int thread_count);
+
+    std::vector<int>& faces() { return faces_; }
+    const std::vector<int>& faces() const { return faces_; }
+
+    /// Removes faces[index]; the last one takes its place.
+    void unlist(std::vector<int>& faces, std::size_t index) {
+        listed_[faces[index]] = 0;
+        faces[index] = faces.back();
+        faces.pop_back();
+    }
+
+    /// Appends to `faces` the neighbours of a face that left sub-mesh `label` and are still in it.
+    void list_neighbors(const Patchwork& patchwork, int face, int label, std::vector<int>& faces) {
+        for (int neighbor : patchwork.cells[face].neighbor) {
+            if (neighbor >= 0 && patchwork.label(neighbor) == label && !listed_[neighbor]) {
+                listed_[neighbor] = 1;
+                faces.push_back(neighbor);
+            }
+        }
+    }
+
+private:
+    std::vector<int> faces_;
+    std::vector<std::uint8_t> listed_;
+};
+
+/// Edges between sub-meshes, each counted once.
+std::int64_t count_boundary_edges(const Patchwork& patchwork);
+
+/// Which sub-meshes touch which: the neighbours of label l are
+/// neighbors[begin[l] .. begin[l + 1]), in the order in which the boundary faces name them.
+struct SubmeshGraph {
+    std::vector<int> begin;
+    std::vector<int> neighbors;
+};
+SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces);
+
+/// Parts the sub-meshes into groups of neighbours, and the boundary faces with them.
+class Grouping {
+public:
+    /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
+    void regroup(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
+    int group_count() const { return static_cast<int>(faces_.size()); }
+    const std::vector<int>& group_of_label() const { return group_of_label_; }
+    /// The listed faces whose label is in the group.
+    std::vector<int>& faces(int group) { return faces_[group]; }
+    /// Gives the faces back, group by group.
+    void collect(BoundaryFaces& boundary);
+
+private:
+    std::vector<int> group_of_label_;
+    std::vector<std::vector<int>> faces_;
+};
+
+} // namespace spheroseg

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fast_segmentation.h"
+
+#include "anneal.h"
+#include "balance.h"
+#include "bisection.h"
+#include "relaxation.h"
+#include "repair.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+/// How much work an effort is worth: proposals per boundary face and phases of each annealing.
+struct Budget {
+    int relaxations;
+    double coarse_proposals;
+    double level_proposals;
+    double exchange_proposals;
+    int coarse_phases;
+    int level_phases;
+    /// Number of faces of a level over that of the next coarser one.
+    double growth;
+};
+
+Budget budget_of(Effort effort) {
+    switch (effort) {
+    case Effort::draft:
+        return {30, 60.0, 40.0, 20.0, 12, 6, 2.0};
+    case Effort::high:
+        return {60, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
+    case Effort::standard:
+        break;
+    }
+    return {40, 300.0, 200.0, 100.0, 24, 12, 2.0};
+}
+
+/// The start is made on a mesh with about so many faces per sub-mesh ...
+constexpr int kCoarseFacesPerSubmesh = 40;
+/// ... and at least so many in all, ...
+constexpr int kMinCoarseFaces = 240;
+/// ... if that has less than this share of the input's faces.
+constexpr double kWorthCoarsening = 0.7;
+/// Times that the balance is tried again from where it got stuck, and from another start.
+constexpr int kBalanceTries = 6;
+constexpr int kStarts = 5;
+
+class FastSegmentation {
+public:
+    FastSegmentation(PreparedMesh& prepared,
+                     const SegmentOptions& options,
+                     int submesh_count,
+                     const Deadline& deadline,
+                     const Progress& progress,
+                     Segmentation& result)
+        : prepared_(prepared), options_(options), submesh_count_(submesh_count),
+          deadline_(deadline), progress_(progress), result_(result),
+          budget_(budget_of(options.effort)) {}
+
+    void run() {
+        const Deadline watch;
+        multilevel_ = &prepared_.multilevel(options_.thread_count, sub_progress(progress_, 0, 0.2));
+        result_.parametrization_seconds = watch.elapsed_seconds();
+        int least_difference = -1;
+        for (int start = 0; start < kStarts; ++start) {
+            // Later starts trade boundary for freedom: no coarse levels, other seeds.
+            seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
+            Patchwork patchwork = coarse_start(start);
+            refine_levels(patchwork);
+            const bool balanced = balance(patchwork);
+            if (balanced) {
+                exchange(patchwork);
+            }
+            const auto [least, most] =
+                std::minmax_element(patchwork.load.begin(), patchwork.load.end());
+            const int difference = *most - *least + (forced_faces_ > 0 ? submesh_count_ : 0);
+            if (least_difference < 0 || difference < least_difference) {
+                least_difference = difference;
+                result_.labels = multilevel_->labels(patchwork);
+            }
+            if (least_difference <= 1 || deadline_.expired()) {
+                break;
+            }
+        }
+        result_.energy_by_iteration = result_.boundary_edges_by_iteration;
+        result_.refinement_iterations =
+            static_cast<int>(result_.seconds_by_iteration.size()) - result_.cohesion_iterations;
+        result_.time_limit_hit = deadline_.expired();
+    }
+
+private:
+    Patchwork coarse_start(int start) {
+        const Deadline watch;
+        const int face_count = prepared_.mesh().face_count();
+        const auto wanted = static_cast<int>(std::min<std::int64_t>(
+            face_count,
+            std::max<std::int64_t>(kMinCoarseFaces,
+                                   static_cast<std::int64_t>(kCoarseFacesPerSubmesh) *
+                                       submesh_count_)));
+        const bool coarsen = start == 0 && wanted < kWorthCoarsening * face_count;
+        Patchwork patchwork = multilevel_->coarsen(coarsen ? wanted : face_count, submesh_count_);
+        bisect(patchwork, submesh_count_, seed_, options_.thread_count);
+        if (start < 2) {
+            AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
+            if (options_.max_cohesion_iterations > 0) {
+                cohesion.max_phases = options_.max_cohesion_iterations;
+            }
+            const std::size_t before = result_.seconds_by_iteration.size();
+            relax(patchwork, budget_.relaxations, cohesion);
+            result_.cohesion_iterations +=
+                static_cast<int>(result_.seconds_by_iteration.size() - before);
+        }
+        forced_faces_ = repair(patchwork);
+        result_.cohesion_seconds += watch.elapsed_seconds();
+        return patchwork;
+    }
+
+    /// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
+    /// load may be off stays the same; `strength` 0.5 to 5 lets loads differ by some per cent.
+    void
+    set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
+        const double faces_per_submesh =
+            static_cast<double>(patchwork.face_count()) / submesh_count_;
+        schedule.balance_weight_begin = begin / faces_per_submesh;
+        schedule.balance_weight_end = end / faces_per_submesh;
+    }
+
+    void refine_levels(Patchwork& patchwork) {
+        const Deadline watch;
+        AnnealSchedule schedule;
+        schedule.thread_count = options_.thread_count;
+        schedule.seed = seed_;
+        schedule.temperature_begin = 0.35;
+        schedule.temperature_end = 0.15;
+        schedule.proposals_per_face = budget_.coarse_proposals;
+        schedule.phase_count = budget_.coarse_phases;
+        const int face_count = prepared_.mesh().face_count();
+        double done = 0.25;
+        for (;;) {
+            const bool finest = patchwork.face_count() == face_count;
+            if (finest) {
+                schedule.temperature_end = 0.1;
+            }
+            set_balance(schedule, patchwork, 0.5, finest ? 5.0 : 3.0);
+            const double next = finest ? 0.7 : done + (0.7 - done) * 0.4;
+            anneal(patchwork, schedule, control(&deadline_, done, next));
+            done = next;
+            if (finest) {
+                break;
+            }
+            const double grown = patchwork.face_count() * budget_.growth;
+            multilevel_->uncoarsen(patchwork,
+                                   grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
+                                                                         : face_count);
+            ++schedule.seed;
+            schedule.temperature_begin = 0.3;
+            schedule.proposals_per_face = budget_.level_proposals;
+            schedule.phase_count = budget_.level_phases;
+        }
+        result_.refinement_seconds += watch.elapsed_seconds();
+    }
+
+    bool balance(Patchwork& patchwork) {
+        const Deadline watch;
+        bool balanced = balance_exactly(patchwork);
+        for (int i = 0; i < kBalanceTries && !balanced; ++i) {
+            // Shake the boundaries with a strong pull towards balance, whatever the time limit.
+            AnnealSchedule schedule;
+            schedule.thread_count = options_.thread_count;
+            schedule.seed = seed_ + 1000 + static_cast<std::uint64_t>(i);
+            schedule.temperature_begin = 0.6;
+            schedule.temperature_end = 0.2;
+            schedule.balance_weight_begin = 0.1;
+            schedule.balance_weight_end = 1.0;
+            schedule.proposals_per_face = 100.0;
+            schedule.phase_count = 12;
+            anneal(patchwork, schedule, {});
+            balanced = balance_exactly(patchwork);
+        }
+        result_.refinement_seconds += watch.elapsed_seconds();
+        return balanced;
+    }
+
+    void exchange(Patchwork& patchwork) {
+        const Deadline watch;
+        AnnealSchedule schedule;
+        schedule.thread_count = options_.thread_count;
+        schedule.seed = seed_ + 2000;
+        schedule.temperature_begin = 0.25;
+        schedule.temperature_end = 0.08;
+        schedule.proposals_per_face = budget_.exchange_proposals;
+        schedule.phase_count = budget_.level_phases;
+        anneal_balanced(patchwork, schedule, control(&deadline_, 0.7, 1.0));
+        result_.refinement_seconds += watch.elapsed_seconds();
+    }
+
+    AnnealControl control(const Deadline* deadline, double begin, double end) {
+        AnnealControl control;
+        control.deadline = deadline;
+        control.progress = sub_progress(progress_, begin, end);
+        control.boundary_edges = &result_.boundary_edges_by_iteration;
+        control.seconds = &result_.seconds_by_iteration;
+        if (options_.max_refinement_iterations > 0) {
+            control.max_phases = options_.max_refinement_iterations -
+                (static_cast<int>(result_.seconds_by_iteration.size()) -
+                 result_.cohesion_iterations);
+        }
+        return control;
+    }
+
+    PreparedMesh& prepared_;
+    const SegmentOptions& options_;
+    const int submesh_count_;
+    const Deadline& deadline_;
+    const Progress& progress_;
+    Segmentation& result_;
+    const Budget budget_;
+    const Multilevel* multilevel_ = nullptr;
+    std::uint64_t seed_ = 0;
+    int forced_faces_ = 0;
+};
+
+} // namespace
+
+void segment_fast(PreparedMesh& prepared,
+                  const SegmentOptions& options,
+                  int submesh_count,
+                  const Deadline& deadline,
+                  const Progress& progress,
+                  Segmentation& result) {
+    FastSegmentation(prepared, options, submesh_count, deadline, progress, result).run();
+}
+
+} // namespace spheroseg

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "hierarchy.h"
+#include "patchwork.h"
+
+namespace spheroseg {
+
+/// Coarse versions of a mesh as patchworks, and the way back. A face of a coarse mesh weighs as
+/// many faces of the input mesh as it stands for. The k-independent part of a segmentation.
+///
+/// Cells are numbered in the order in which they appear, coarse ones first, so that every level
+/// is a prefix of the next one.
+class Multilevel {
+public:
+    /// `hierarchy` must outlive this object. O(F).
+    Multilevel(const CollapseHierarchy& hierarchy, int face_count);
+
+    /// The coarsest level with at least `min_face_count` faces (the finest one if there is none),
+    /// with all labels 0.
+    Patchwork coarsen(int min_face_count, int submesh_count) const;
+
+    /// Undoes collapses, round by round, until there are at least `min_face_count` faces or all.
+    /// New faces get the label of a neighbour, so that loads stay the same, and every sub-mesh
+    /// stays connected and free of bowties.
+    void uncoarsen(Patchwork& patchwork, int min_face_count) const;
+
+    /// Labels of the finest level in the order of the input mesh's faces.
+    std::vector<int> labels(const Patchwork& patchwork) const;
+
+    int face_count() const { return static_cast<int>(cell_of_face_.size()); }
+
+private:
+    void undo(Patchwork& patchwork, int step) const;
+
+    const CollapseHierarchy* hierarchy_;
+    std::vector<int> cell_of_face_;
+    /// Weight of each face when it was collapsed, or at the end.
+    std::vector<int> weight_;
+    Patchwork base_;
+};
+
+} // namespace spheroseg

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "patchwork.h"
+
+namespace spheroseg {
+
+bool describe_single(const Patchwork& patchwork, int face, int corner, Move& move) {
+    const Cell& cell = patchwork.cells[face];
+    const int from = patchwork.label(face);
+    const int to = patchwork.label_across(cell, corner);
+    if (to < 0 || to == from) {
+        return false;
+    }
+    const int other[2] = {patchwork.label_across(cell, kNext[corner]),
+                          patchwork.label_across(cell, kPrevious[corner])};
+    const int from_edges = (other[0] == from) + (other[1] == from);
+    const int to_edges = 1 + (other[0] == to) + (other[1] == to);
+    if (from_edges == 0) {
+        return false;
+    }
+    move.faces[0] = face;
+    move.face_count = 1;
+    move.from = from;
+    move.to = to;
+    move.boundary_change = from_edges - to_edges;
+    move.weight = cell.weight;
+    return true;
+}
+
+bool single_is_allowed(const Patchwork& patchwork, int face, int corner, const Move& move) {
+    // from_edges - to_edges: (1, 2) always keeps both; (2, 1) needs the opposite vertex inside
+    // `from`, which then has no face of `to`; (1, 1) only needs no face of `to` there.
+    if (move.boundary_change < 0) {
+        return true;
+    }
+    const int opposite = kPrevious[corner];
+    return move.boundary_change == 0 ? no_label_around(patchwork, face, opposite, move.to)
+                                     : all_label_around(patchwork, face, opposite, move.from);
+}
+
+bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward, Fan& fan) {
+    const int label = patchwork.label(face);
+    const int vertex = patchwork.cells[face].vertex[corner];
+    int first = face;
+    int first_corner = corner;
+    for (;;) {
+        const int next = patchwork.cells[first].neighbor[first_corner];
+        if (next == face) {
+            return false;
+        }
+        if (next < 0 || patchwork.label(next) != label) {
+            break;
+        }
+        first = next;
+        first_corner = corner_of(patchwork.cells[first], vertex);
+    }
+    Move& move = fan.move;
+    move.face_count = 0;
+    move.from = label;
+    move.weight = 0;
+    int current = first;
+    int at = first_corner;
+    for (;;) {
+        if (move.face_count == Move::kMaxFaces) {
+            return false;
+        }
+        fan.corners[move.face_count] = at;
+        move.faces[move.face_count++] = current;
+        move.weight += patchwork.cells[current].weight;
+        const int next = patchwork.cells[current].neighbor[kPrevious[at]];
+        if (next < 0 || patchwork.label(next) != label) {
+            break;
+        }
+        current = next;
+        at = corner_of(patchwork.cells[current], vertex);
+    }
+    const int before = patchwork.label_across(patchwork.cells[first], first_corner);
+    const int behind = patchwork.label_across(patchwork.cells[current], kPrevious[at]);
+    move.to = forward ? behind : before;
+    if (move.to < 0) {
+        return false;
+    }
+    int change = -(before == move.to) - (behind == move.to);
+    for (int i = 0; i < move.face_count; ++i) {
+        const int outside =
+            patchwork.label_across(patchwork.cells[move.faces[i]], kNext[fan.corners[i]]);
+        change += (outside == label) - (outside == move.to);
+    }
+    move.boundary_change = change;
+    return true;
+}
+
+bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
+    const Move& move = fan.move;
+    const int last = move.face_count - 1;
+    const auto cell = [&](int i) -> const Cell& { return patchwork.cells[move.faces[i]]; };
+    // What is left of `from` must touch the fan in one run of edges, whose inner vertices lie
+    // inside `from`; `to` may touch a vertex of the ring only next to the fan.
+    int runs = 0;
+    bool previous_from = false;
+    bool previous_to = patchwork.label_across(cell(0), fan.corners[0]) == move.to;
+    for (int i = 0; i <= last; ++i) {
+        const int corner = fan.corners[i];
+        const int outside = patchwork.label_across(cell(i), kNext[corner]);
+        const bool touches_from = outside == move.from;
+        const bool touches_to = outside == move.to;
+        if (touches_from && !previous_from && ++runs > 1) {
+            return false;
+        }
+        if (touches_from && previous_from &&
+            !all_label_around(patchwork, move.faces[i], kNext[corner], move.from)) {
+            return false;
+        }
+        if (!touches_to && !previous_to && !(touches_from && previous_from) &&
+            !no_label_around(patchwork, move.faces[i], kNext[corner], move.to)) {
+            return false;
+        }
+        previous_from = touches_from;
+        previous_to = touches_to;
+    }
+    const int end = fan.corners[last];
+    if (!previous_to && patchwork.label_across(cell(last), kPrevious[end]) != move.to &&
+        !no_label_around(patchwork, move.faces[last], kPrevious[end], move.to)) {
+        return false;
+    }
+    return runs == 1;
+}
+
+void apply(Patchwork& patchwork, const Move& move) {
+    for (int i = 0; i < move.face_count; ++i) {
+        patchwork.set_label(move.faces[i], move.to);
+    }
+    patchwork.load[move.from] -= move.weight;
+    patchwork.load[move.to] += move.weight;
+}
+
+std::vector<int> labels_of(const Patchwork& patchwork) {
+    std::vector<int> labels(patchwork.cells.size());
+    for (std::size_t f = 0; f < labels.size(); ++f) {
+        labels[f] = patchwork.cells[f].label;
+    }
+    return labels;
+}
+
+} // namespace spheroseg

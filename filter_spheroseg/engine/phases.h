@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "anneal.h"
+#include "boundary.h"
+#include "metropolis.h"
+#include "random.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+namespace spheroseg {
+
+/// The settings of one phase of an annealing.
+struct Phase {
+    double temperature;
+    /// Per squared unit of load.
+    double balance_weight;
+    double proposals_per_face;
+    std::uint64_t seed;
+};
+
+/// Draws proposals for one group: a random face of its boundary, a corner, single face or fan.
+class ProposalSource {
+public:
+    ProposalSource(Patchwork& patchwork,
+                   BoundaryFaces& boundary,
+                   std::vector<int>& faces,
+                   const Phase& phase,
+                   int group)
+        : patchwork_(patchwork), boundary_(boundary), faces_(faces), phase_(phase),
+          random_(phase.seed, static_cast<std::uint64_t>(group)) {}
+
+    struct Proposal {
+        int face;
+        int corner;
+        bool as_fan;
+        bool forward;
+        /// The most that the move may cost.
+        double allowance;
+    };
+
+    /// False when the face drawn touches no other sub-mesh any more; it is unlisted.
+    bool draw(Proposal& proposal) {
+        const std::uint64_t bits = random_.next();
+        const auto count = static_cast<std::uint64_t>(faces_.size());
+        const auto index = static_cast<std::size_t>(((bits >> 32) * count) >> 32);
+        proposal.face = faces_[index];
+        const int label = patchwork_.label(proposal.face);
+        bool differs[3];
+        for (int c = 0; c < 3; ++c) {
+            const int across = patchwork_.label_across(patchwork_.cells[proposal.face], c);
+            differs[c] = across >= 0 && across != label;
+        }
+        if (!differs[0] && !differs[1] && !differs[2]) {
+            boundary_.unlist(faces_, index);
+            return false;
+        }
+        proposal.allowance = phase_.temperature * ExponentialQuantiles::get()(bits >> 8);
+        proposal.as_fan = (bits >> 24) & 1;
+        proposal.forward = (bits >> 25) & 1;
+        proposal.corner = static_cast<int>((bits & 0xFF) * 3 >> 8);
+        while (!proposal.as_fan && !differs[proposal.corner]) {
+            proposal.corner = kNext[proposal.corner];
+        }
+        return true;
+    }
+
+    std::int64_t proposal_count() const {
+        return static_cast<std::int64_t>(phase_.proposals_per_face *
+                                         static_cast<double>(faces_.size()));
+    }
+    bool exhausted() const { return faces_.empty(); }
+    Random& random() { return random_; }
+
+    /// Lists the faces that came to the boundary when a move was made.
+    void list(const Move& move) {
+        for (int i = 0; i < move.face_count; ++i) {
+            boundary_.list_neighbors(patchwork_, move.faces[i], move.from, faces_);
+        }
+    }
+
+private:
+    Patchwork& patchwork_;
+    BoundaryFaces& boundary_;
+    std::vector<int>& faces_;
+    const Phase& phase_;
+    Random random_;
+};
+
+/// Runs the phases of a schedule: new groups of labels in each, all groups in parallel.
+/// `run_group(grouping, boundary, group, phase)` anneals one group and returns the change of the
+/// number of boundary edges that it made.
+template <typename RunGroup>
+void run_phases(Patchwork& patchwork,
+                const AnnealSchedule& schedule,
+                double mean_face_weight,
+                const AnnealControl& control,
+                const char* step,
+                RunGroup run_group) {
+    const int threads = resolve_thread_count(schedule.thread_count);
+    BoundaryFaces boundary(patchwork, threads);
+    std::int64_t edges = count_boundary_edges(patchwork);
+    Grouping grouping;
+    const int phases = std::max(1, schedule.phase_count);
+    for (int p = 0; p < phases; ++p) {
+        if (p >= control.max_phases || (control.deadline && control.deadline->expired())) {
+            return;
+        }
+        report_progress(control.progress, static_cast<double>(p) / phases, step);
+        const Deadline watch;
+        const double at = phases > 1 ? static_cast<double>(p) / (phases - 1) : 1.0;
+        const auto between = [at](double begin, double end) {
+            return begin * std::pow(end / begin, at);
+        };
+        Phase phase;
+        phase.temperature = between(schedule.temperature_begin, schedule.temperature_end);
+        phase.balance_weight = between(schedule.balance_weight_begin, schedule.balance_weight_end) /
+            (mean_face_weight * mean_face_weight);
+        phase.proposals_per_face = schedule.proposals_per_face / phases;
+        phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
+
+        grouping.regroup(patchwork, boundary, phase.seed);
+        const int group_count = grouping.group_count();
+        std::int64_t change = 0;
+        std::exception_ptr failure;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)
+        for (int g = 0; g < group_count; ++g) {
+            try {
+                change += run_group(grouping, boundary, g, phase);
+            } catch (...) {
+#pragma omp critical(spheroseg_phase_failure)
+                failure = std::current_exception();
+            }
+        }
+        if (failure) {
+            std::rethrow_exception(failure);
+        }
+        grouping.collect(boundary);
+        edges += change;
+        if (control.boundary_edges) {
+            control.boundary_edges->push_back(static_cast<double>(edges));
+            control.seconds->push_back(watch.elapsed_seconds());
+        }
+    }
+}
+
+} // namespace spheroseg

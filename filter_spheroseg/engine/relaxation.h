@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "anneal.h"
+
+namespace spheroseg {
+
+/// Lloyd's relaxation on the dual graph (Lloyd: Least Squares Quantization in PCM, 1982): each
+/// sub-mesh is replaced by the faces nearest to its deepest face, counted in steps between
+/// neighbours plus an offset that grows while the sub-mesh is too heavy. Rounds the sub-meshes and
+/// evens out their loads; every sub-mesh keeps at least its centre and stays edge-connected.
+/// O(iterations * F); serial and deterministic. Throws Cancelled.
+/// Of `control` the phases are the iterations.
+void relax(Patchwork& patchwork, int iterations, const AnnealControl& control);
+
+} // namespace spheroseg

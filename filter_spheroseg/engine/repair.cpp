@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "repair.h"
+
+#include <algorithm>
+#include <deque>
+
+namespace spheroseg {
+
+namespace {
+
+class Repair {
+public:
+    explicit Repair(Patchwork& patchwork) : patchwork_(patchwork) {}
+
+    int run() {
+        keep_cores();
+        fill_empty();
+        grow();
+        return force_rest();
+    }
+
+private:
+    // While a core grows, faces that may still join sub-mesh l have the label -2 - l.
+    static int candidate(int label) { return -2 - label; }
+
+    void keep_cores() {
+        const int submesh_count = patchwork_.submesh_count();
+        const int face_count = patchwork_.face_count();
+        std::vector<int> begin(submesh_count + 1, 0);
+        for (const Cell& cell : patchwork_.cells) {
+            ++begin[cell.label + 1];
+        }
+        for (int l = 0; l < submesh_count; ++l) {
+            begin[l + 1] += begin[l];
+        }
+        std::vector<int> faces(face_count);
+        std::vector<int> fill(begin.begin(), begin.end() - 1);
+        for (int f = 0; f < face_count; ++f) {
+            faces[fill[patchwork_.cells[f].label]++] = f;
+        }
+        std::vector<int> seeds(submesh_count, -1);
+        std::vector<std::uint8_t> seen(face_count, 0);
+        for (int l = 0; l < submesh_count; ++l) {
+            seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
+        }
+        for (Cell& cell : patchwork_.cells) {
+            cell.label = candidate(cell.label);
+        }
+        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
+        for (int l = 0; l < submesh_count; ++l) {
+            if (seeds[l] >= 0) {
+                grow_core(seeds[l], l);
+            }
+        }
+        for (Cell& cell : patchwork_.cells) {
+            cell.label = std::max(cell.label, -1);
+        }
+    }
+
+    /// The face of a sub-mesh that is farthest from its boundary, of the component where that is
+    /// largest; -1 when it is empty.
+    int
+    deepest(const std::vector<int>& faces, int begin, int end, std::vector<std::uint8_t>& seen) {
+        queue_.clear();
+        for (int i = begin; i < end; ++i) {
+            const Cell& cell = patchwork_.cells[faces[i]];
+            for (int neighbor : cell.neighbor) {
+                if (neighbor < 0 || patchwork_.cells[neighbor].label != cell.label) {
+                    seen[faces[i]] = 1;
+                    queue_.push_back(faces[i]);
+                    break;
+                }
+            }
+        }
+        if (queue_.empty()) {
+            return begin < end ? faces[begin] : -1;
+        }
+        for (std::size_t head = 0; head < queue_.size(); ++head) {
+            const Cell& cell = patchwork_.cells[queue_[head]];
+            for (int neighbor : cell.neighbor) {
+                if (neighbor >= 0 && !seen[neighbor] &&
+                    patchwork_.cells[neighbor].label == cell.label) {
+                    seen[neighbor] = 1;
+                    queue_.push_back(neighbor);
+                }
+            }
+        }
+        return queue_.back();
+    }
+
+    void take(int face, int label) {
+        patchwork_.cells[face].label = label;
+        patchwork_.load[label] += patchwork_.cells[face].weight;
+    }
+
+    bool may_take(int face, int label) const {
+        int edges = 0;
+        int corner = 0;
+        for (int c = 0; c < 3; ++c) {
+            if (patchwork_.label_across(patchwork_.cells[face], c) == label) {
+                ++edges;
+                corner = c;
+            }
+        }
+        return edges > 0 && may_join(patchwork_, face, corner, label, edges);
+    }
+
+    void grow_core(int seed, int label) {
+        queue_.assign(1, seed);
+        take(seed, label);
+        for (std::size_t head = 0; head < queue_.size(); ++head) {
+            for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
+                if (neighbor >= 0 && patchwork_.cells[neighbor].label == candidate(label) &&
+                    may_take(neighbor, label)) {
+                    take(neighbor, label);
+                    queue_.push_back(neighbor);
+                }
+            }
+        }
+    }
+
+    void fill_empty() {
+        std::size_t next = 0;
+        std::vector<int> free_faces;
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            if (patchwork_.cells[f].label == -1) {
+                free_faces.push_back(f);
+            }
+        }
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            if (patchwork_.load[l] > 0) {
+                continue;
+            }
+            if (next < free_faces.size()) {
+                // Spread over the free faces.
+                const std::size_t stride =
+                    std::max<std::size_t>(1, free_faces.size() / patchwork_.submesh_count());
+                take(free_faces[next], l);
+                next += stride;
+            } else {
+                split_off_face(l);
+            }
+        }
+    }
+
+    /// Gives an empty sub-mesh a face at the end of another one that has at least two.
+    void split_off_face(int label) {
+        for (int tries = 0; tries < patchwork_.face_count(); ++tries) {
+            donor_ = (donor_ + 1) % patchwork_.face_count();
+            const int from = patchwork_.cells[donor_].label;
+            if (from < 0) {
+                continue;
+            }
+            int same = 0;
+            for (int c = 0; c < 3; ++c) {
+                same += patchwork_.label_across(patchwork_.cells[donor_], c) == from;
+            }
+            if (same == 1) {
+                patchwork_.load[from] -= patchwork_.cells[donor_].weight;
+                take(donor_, label);
+                return;
+            }
+        }
+    }
+
+    void grow() {
+        std::deque<int> queue;
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            if (patchwork_.cells[f].label == -1) {
+                queue.push_back(f);
+            }
+        }
+        while (!queue.empty()) {
+            const int face = queue.front();
+            queue.pop_front();
+            if (patchwork_.cells[face].label != -1) {
+                continue;
+            }
+            int best = -1;
+            for (int c = 0; c < 3; ++c) {
+                const int label = patchwork_.label_across(patchwork_.cells[face], c);
+                if (label >= 0 && label != best && may_take(face, label) &&
+                    (best < 0 || patchwork_.load[label] < patchwork_.load[best])) {
+                    best = label;
+                }
+            }
+            if (best < 0) {
+                continue;
+            }
+            take(face, best);
+            for (int neighbor : patchwork_.cells[face].neighbor) {
+                if (neighbor >= 0 && patchwork_.cells[neighbor].label == -1) {
+                    queue.push_back(neighbor);
+                }
+            }
+        }
+    }
+
+    int force_rest() {
+        int forced = 0;
+        for (bool found = true; found;) {
+            found = false;
+            for (int f = 0; f < patchwork_.face_count(); ++f) {
+                if (patchwork_.cells[f].label != -1) {
+                    continue;
+                }
+                for (int c = 0; c < 3; ++c) {
+                    const int label = patchwork_.label_across(patchwork_.cells[f], c);
+                    if (label >= 0) {
+                        take(f, label);
+                        ++forced;
+                        found = true;
+                        break;
+                    }
+                }
+            }
+        }
+        return forced;
+    }
+
+    Patchwork& patchwork_;
+    std::vector<int> queue_;
+    int donor_ = -1;
+};
+
+} // namespace
+
+int repair(Patchwork& patchwork) {
+    return Repair(patchwork).run();
+}
+
+} // namespace spheroseg
