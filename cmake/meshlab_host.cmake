@@ -4,6 +4,8 @@ set(SPHEROSEG_SCALAR double CACHE STRING
     "Scalar type of the host: double for PyMeshLab, float for the MeshLab application")
 set_property(CACHE SPHEROSEG_SCALAR PROPERTY STRINGS double float)
 set(MESHLAB_SOURCE_DIR "" CACHE PATH "MeshLab's sources with the vcglib submodule")
+set(SPHEROSEG_MESHLAB_RELEASE "" CACHE STRING
+    "Release of the host, if its interface is that of the sources but its number is another")
 set(SPHEROSEG_MESHLAB_COMMON "" CACHE FILEPATH
     "libmeshlab-common.so of the host; found in PyMeshLab's wheel when the scalar type is double")
 
@@ -55,18 +57,22 @@ find_package(Qt5 REQUIRED COMPONENTS Core Gui Widgets Xml OpenGL)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_path(GLEW_INCLUDE_DIR GL/glew.h REQUIRED)
 
-# What every source that sees MeshLab's headers is compiled with.
-add_library(meshlab_host INTERFACE)
-target_compile_features(meshlab_host INTERFACE cxx_std_17)
-target_compile_definitions(meshlab_host INTERFACE
-    MESHLAB_VERSION=${MESHLAB_VERSION}
-    MESHLAB_SCALAR=${SPHEROSEG_SCALAR}
-    QT_PLUGIN)
-target_include_directories(meshlab_host SYSTEM INTERFACE
-    ${MESHLAB_SOURCE_DIR}/src
-    ${MESHLAB_SOURCE_DIR}/src/common
-    ${MESHLAB_SOURCE_DIR}/src/vcglib
-    ${GLEW_INCLUDE_DIR})
-target_link_libraries(meshlab_host INTERFACE
-    Eigen3::Eigen Qt5::Core Qt5::Gui Qt5::Widgets Qt5::Xml Qt5::OpenGL
-    ${SPHEROSEG_MESHLAB_COMMON})
+# Defines target `name`: what every source that sees MeshLab's headers is compiled with. `library`
+# may be empty: the host has it loaded.
+function(add_meshlab_host name version scalar library)
+    add_library(${name} INTERFACE)
+    target_compile_features(${name} INTERFACE cxx_std_17)
+    target_compile_definitions(${name} INTERFACE
+        MESHLAB_VERSION=${version}
+        MESHLAB_SCALAR=${scalar}
+        QT_PLUGIN)
+    target_include_directories(${name} SYSTEM INTERFACE
+        ${MESHLAB_SOURCE_DIR}/src
+        ${MESHLAB_SOURCE_DIR}/src/common
+        ${MESHLAB_SOURCE_DIR}/src/vcglib
+        ${GLEW_INCLUDE_DIR})
+    target_link_libraries(${name} INTERFACE
+        Eigen3::Eigen Qt5::Core Qt5::Gui Qt5::Widgets Qt5::Xml Qt5::OpenGL ${library})
+endfunction()
+
+add_meshlab_host(meshlab_host ${MESHLAB_VERSION} ${SPHEROSEG_SCALAR} "${SPHEROSEG_MESHLAB_COMMON}")

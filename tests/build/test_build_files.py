@@ -82,4 +82,4 @@ def test_set_up_on_a_system_without_apt_names_the_packages(tmp_path):
 def test_set_up_rejects_an_unknown_level():
     done = run(ROOT / "scripts" / "setup.sh", "everything")
     assert done.returncode == 2
-    assert "expected run or dev" in done.stderr
+    assert "expected run, dev or gui" in done.stderr

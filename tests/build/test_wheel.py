@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The package as pip builds it has the plugin inside."""
+"""The package as pip builds it has the plugin inside, for PyMeshLab and for MeshLab."""
 
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
+from spheroseg.install import Host, plugin_host
+
 ROOT = Path(__file__).parents[2]
+DESKTOP_PLUGIN = "spheroseg/desktop/libfilter_spheroseg.so"
 
 
 def test_wheel_holds_the_package_the_plugin_and_the_command(tmp_path):
@@ -22,6 +25,8 @@ def test_wheel_holds_the_package_the_plugin_and_the_command(tmp_path):
         names = archive.namelist()
         commands = next(name for name in names if name.endswith("entry_points.txt"))
         assert "spheroseg=spheroseg.cli:main" in archive.read(commands).decode().replace(" ", "")
+        archive.extract(DESKTOP_PLUGIN, tmp_path)
+    assert plugin_host(tmp_path / DESKTOP_PLUGIN) == Host("2025.07", "float")
     assert "spheroseg/__init__.py" in names
     assert "spheroseg/libfilter_spheroseg.so" in names
     assert not [name for name in names if name.startswith(("tests", "filter_spheroseg"))]
