@@ -61,7 +61,14 @@ def _bowties_made(face, region, faces, neighbours, vertex_starts, vertex_faces, 
 
 
 @njit(cache=True)
-def _push_neighbours(face, region, neighbours, labels, heads, rim_face, rim_next, rim_size):
+def _assign(
+    face, region, neighbours, centroids, labels, sums, counts, heads, rim_face, rim_next, rim_size
+):
+    """Gives the face to the region, whose rim grows by the face's free neighbours; returns the new
+    number of rim entries."""
+    labels[face] = region
+    sums[region] += centroids[face]
+    counts[region] += 1
     for side in range(3):
         other = neighbours[face, side]
         if other >= 0 and labels[other] < 0:
@@ -143,59 +150,34 @@ def _grow(faces, neighbours, centroids, vertex_starts, vertex_faces, seeds):
     # Each side of each triangle puts its neighbour on a rim at most once.
     rim_face = np.empty(3 * face_count, dtype=np.int32)
     rim_next = np.empty(3 * face_count, dtype=np.int64)
+    regions = (neighbours, centroids, labels, sums, counts, heads, rim_face, rim_next)
+    mesh = (centroids, faces, neighbours, vertex_starts, vertex_faces, labels)
     rim_size = 0
     for region in range(k):
-        labels[seeds[region]] = region
-    for region in range(k):
-        counts[region] = 1
-        sums[region] = centroids[seeds[region]]
-        rim_size = _push_neighbours(
-            seeds[region], region, neighbours, labels, heads, rim_face, rim_next, rim_size
-        )
+        rim_size = _assign(seeds[region], region, *regions, rim_size)
     assigned = k
     bowties_allowed = 0
     first_unassigned = 0
     while assigned < face_count:
         grown = 0
         for region in range(k):
+            centre = sums[region] / counts[region]
             face = _nearest_on_rim(
-                region,
-                bowties_allowed,
-                sums[region] / counts[region],
-                centroids,
-                faces,
-                neighbours,
-                vertex_starts,
-                vertex_faces,
-                labels,
-                heads,
-                rim_face,
-                rim_next,
+                region, bowties_allowed, centre, *mesh, heads, rim_face, rim_next
             )
             if face < 0:
                 continue
-            labels[face] = region
-            counts[region] += 1
-            sums[region] += centroids[face]
-            rim_size = _push_neighbours(
-                face, region, neighbours, labels, heads, rim_face, rim_next, rim_size
-            )
+            rim_size = _assign(face, region, *regions, rim_size)
             grown += 1
             if bowties_allowed > 0:
                 break
-        assigned += grown
-        if grown > 0:
-            bowties_allowed = 0
-        elif bowties_allowed < 3:
-            bowties_allowed += 1
-        else:
+        if grown == 0 and bowties_allowed == 3:
+            # No region reaches what is left: another component.
             while labels[first_unassigned] >= 0:
                 first_unassigned += 1
             region = _region_nearest_to(first_unassigned, centroids, sums, counts)
-            labels[first_unassigned] = region
-            rim_size = _push_neighbours(
-                first_unassigned, region, neighbours, labels, heads, rim_face, rim_next, rim_size
-            )
-            assigned += 1
-            bowties_allowed = 0
+            rim_size = _assign(first_unassigned, region, *regions, rim_size)
+            grown = 1
+        bowties_allowed = 0 if grown > 0 else bowties_allowed + 1
+        assigned += grown
     return labels
