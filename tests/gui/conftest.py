@@ -96,7 +96,7 @@ def small_mesh(tmp_path) -> Path:
 
 @pytest.fixture
 def large_mesh(tmp_path) -> Path:
-    return bumpy_sphere(tmp_path / "large.ply", 4)
+    return bumpy_sphere(tmp_path / "large.ply", 7)
 
 
 @pytest.fixture

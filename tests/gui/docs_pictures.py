@@ -20,7 +20,7 @@ PICTURES = REPOSITORY / "docs" / "images"
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
 PARAMETRIZATION = "Spherical Parametrization (SpheroSeg)"
 COW = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / "cow.obj"
-COLORS = 96
+COLORS = 255
 
 
 def keep(picture: Image.Image, name: str, box=None, width: int | None = None) -> None:
@@ -39,6 +39,13 @@ def box_of(window):
     return (window.x, window.y - 20, window.x + window.width, window.y + window.height)
 
 
+def show_the_side(meshlab: MeshLabWindow) -> None:
+    """Turns the mesh by dragging and comes nearer by the wheel, as one does to look at it."""
+    meshlab.screen.drag((300, 430), (480, 425))
+    meshlab.screen.scroll_down(1)
+    meshlab.screen.settle()
+
+
 def picture_segmentation(meshlab: MeshLabWindow) -> None:
     meshlab.start(COW)
     meshlab.open_filters_submenu("Quality Measure and Computations")
@@ -53,6 +60,7 @@ def picture_segmentation(meshlab: MeshLabWindow) -> None:
     keep(meshlab.screenshot("dialog"), "dialog", box, width=430)
     dialog.apply()
     dialog.close()
+    show_the_side(meshlab)
     whole = meshlab.screenshot("window")
     keep(whole, "window", width=860)
     keep(whole, "log", (848, 704, 1276, 834))

@@ -111,6 +111,17 @@ class Screen:
         self._run("xdotool", "mousemove", x, y)
         self._run("xdotool", "click", "--repeat", count, "--delay", "40", "1")
 
+    def drag(self, start: tuple[int, int], end: tuple[int, int], steps: int = 10) -> None:
+        """Moves the pointer from start to end with the left button pressed."""
+        self._run("xdotool", "mousemove", *start, "mousedown", 1)
+        for i in range(1, steps + 1):
+            at = [round(a + (b - a) * i / steps) for a, b in zip(start, end, strict=True)]
+            self._run("xdotool", "mousemove", *at)
+        self._run("xdotool", "mouseup", 1)
+
+    def scroll_down(self, clicks: int) -> None:
+        self._run("xdotool", "click", "--repeat", clicks, "--delay", 40, 5)
+
     def move(self, window: Window, x: int, y: int) -> None:
         self._run("xdotool", "windowmove", window.id, x, y)
 

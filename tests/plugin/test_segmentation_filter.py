@@ -223,7 +223,7 @@ def test_sample_meshes_of_pymeshlab(sample, name):
     assert result["max_triangle_count_difference"] == np.ptp(counts)
 
 
-@pytest.mark.parametrize("method", ["all_pairs"])
+@pytest.mark.parametrize("method", ["fast", "all_pairs"])
 def test_labels_do_not_depend_on_the_coordinates(sample, method):
     # So MeshLab, in single precision, and PyMeshLab, in double, give the same labels.
     given = sample("cow.obj")
