@@ -237,10 +237,12 @@ def test_summary_compares_with_the_better_metis_mode():
             row("fast_high", 90),
             row("metis_kway", 100, bowtie_count=1),
             row("metis_recursive", 120, max_triangle_count_difference=3),
+            row("metis_limit", 75),
         ]
     )
     assert lines[0].startswith("Fast, high: 1 of 1 results")
-    assert "0.900 times that of the better METIS mode" in lines[0]
+    assert "0.900 times that of METIS (the better of k-way and recursive" in lines[0]
+    assert "1.200 times that of METIS with the limit" in lines[0]
     assert lines[1].startswith("METIS k-way: 0 of 1")
     assert lines[2].startswith("METIS recursive: 0 of 1")
     assert "times that" not in lines[1] + lines[2]

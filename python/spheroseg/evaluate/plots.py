@@ -2,6 +2,7 @@
 """The report's diagrams as SVG text, by matplotlib."""
 
 import io
+import math
 
 import matplotlib
 
@@ -77,26 +78,29 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
 
 
 def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
-    """Boundary length over the hexagonal bound against microseconds per triangle."""
+    """Boundary length over the hexagonal bound against microseconds per triangle; geometric means
+    over all meshes and k as large marks."""
     methods = list(titles)
     with pyplot.rc_context(_STYLE):
         figure, axis = pyplot.subplots(figsize=(7.2, 4), layout="constrained")
         for index, method in enumerate(methods):
             mine = [row for row in rows if row["method"] == method]
-            axis.scatter(
-                [1e6 * row["seconds"] / row["triangle_count"] for row in mine],
-                [row["boundary_edges_over_hexagonal"] for row in mine],
-                label=titles[method],
-                color=_colour(index),
-                marker=_MARKERS[index % len(_MARKERS)],
-                s=28,
-                alpha=0.85,
-            )
+            times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
+            edges = [row["boundary_edges_over_hexagonal"] for row in mine]
+            look = {"color": _colour(index), "marker": _MARKERS[index % len(_MARKERS)]}
+            axis.scatter(times, edges, s=18, alpha=0.35, **look)
+            mean = [_geometric_mean(times)], [_geometric_mean(edges)]
+            axis.scatter(*mean, s=90, edgecolor="black", label=titles[method], zorder=3, **look)
         axis.set_xscale("log")
         axis.set_xlabel("microseconds per triangle")
         axis.set_ylabel("boundary edges / hexagonal bound")
         axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
+
+
+def _geometric_mean(values: list[float]) -> float:
+    positive = [math.log(value) for value in values if value > 0]
+    return math.exp(sum(positive) / len(positive)) if positive else 0.0
 
 
 def _colour(index: int) -> str:
