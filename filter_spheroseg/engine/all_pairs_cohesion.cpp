@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "all_pairs_cohesion.h"
 
-#include "chord_swaps.h"
+#include "cohesion_state.h"
 #include "measures.h"
 #include "random.h"
 #include "threads.h"
@@ -15,8 +15,6 @@ namespace spheroseg {
 
 namespace {
 
-/// Iterations without a new least energy after which cohesion gives up.
-constexpr int kPatience = 32;
 /// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
 constexpr long long kPairsPerReport = 1LL << 26;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
@@ -25,60 +23,6 @@ constexpr int kMinSlotsPerThread = 512;
 constexpr int kWedgeShare = 8;
 /// Length of the random offset that parts coinciding centroids.
 constexpr double kOffsetLength = 1e-3;
-/// Coordinates are summed as multiples of 2^-36: exact whatever the order, up to 2^26 faces.
-constexpr double kFixedPointScale = 0x1.0p36;
-
-Vec3 unit_or_zero(const Vec3& p) {
-    const double norm = length(p);
-    return norm > 0.0 ? p * (1.0 / norm) : Vec3{};
-}
-
-/// Mean centroid of the faces of each sub-mesh, projected onto the sphere (the origin when it has
-/// no direction), in single precision.
-PointArrays submesh_centroids(const ChordSwapState& state, int submesh_count) {
-    std::vector<std::array<std::int64_t, 3>> sums(submesh_count, {0, 0, 0});
-    const auto fixed_point = [](float value) {
-        return static_cast<std::int64_t>(std::llrint(value * kFixedPointScale));
-    };
-    for (int f = 0; f < state.face_count(); ++f) {
-        auto& sum = sums[state.label[f]];
-        sum[0] += fixed_point(state.face.x[f]);
-        sum[1] += fixed_point(state.face.y[f]);
-        sum[2] += fixed_point(state.face.z[f]);
-    }
-    PointArrays centroids;
-    centroids.resize(submesh_count);
-    for (int s = 0; s < submesh_count; ++s) {
-        centroids.set(s,
-                      unit_or_zero({static_cast<double>(sums[s][0]),
-                                    static_cast<double>(sums[s][1]),
-                                    static_cast<double>(sums[s][2])}));
-    }
-    return centroids;
-}
-
-void assign_centroids(ChordSwapState& state, const PointArrays& centroids) {
-    for (int f = 0; f < state.face_count(); ++f) {
-        state.own.copy(f, centroids, state.label[f]);
-    }
-    measure_distances(state);
-}
-
-ChordSwapState make_state(const std::vector<Vec3>& face_centroids, const std::vector<int>& labels) {
-    ChordSwapState state;
-    state.face.resize(face_centroids.size());
-    for (std::size_t f = 0; f < face_centroids.size(); ++f) {
-        state.face.set(static_cast<int>(f), face_centroids[f]);
-    }
-    state.own.resize(face_centroids.size());
-    state.distance.resize(face_centroids.size());
-    state.label = labels;
-    return state;
-}
-
-double energy_of(const ChordSwapState& state) {
-    return std::accumulate(state.distance.begin(), state.distance.end(), 0.0);
-}
 
 /// Shifts the centroids that coincide with another one. False when there are none.
 bool part_coinciding_centroids(PointArrays& centroids, std::uint64_t seed) {
@@ -224,7 +168,7 @@ std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
 double cohesion_energy(const std::vector<Vec3>& face_centroids,
                        const std::vector<int>& labels,
                        int submesh_count) {
-    ChordSwapState state = make_state(face_centroids, labels);
+    ChordSwapState state = make_cohesion_state(face_centroids, labels);
     assign_centroids(state, submesh_centroids(state, submesh_count));
     return energy_of(state);
 }
@@ -237,7 +181,7 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
                                 std::vector<int>& labels,
                                 const Progress& progress) {
     SwapIterations history;
-    ChordSwapState state = make_state(face_centroids, labels);
+    ChordSwapState state = make_cohesion_state(face_centroids, labels);
     assign_centroids(state, submesh_centroids(state, submesh_count));
     double least_energy = energy_of(state);
     int least_energy_at = 0;
@@ -266,7 +210,7 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
             least_energy = history.energy.back();
             least_energy_at = history.count();
         }
-        converged = converged || history.count() - least_energy_at >= kPatience;
+        converged = converged || history.count() - least_energy_at >= kCohesionPatience;
         if (!complete) {
             history.time_limit_hit = true;
             break;

@@ -18,13 +18,6 @@ constexpr int kBlockSize = 128;
 /// Steps of a column between two looks at whether any pair wants to swap.
 constexpr int kGroupSteps = 4;
 
-inline float chord(float ax, float ay, float az, float bx, float by, float bz) {
-    const float dx = ax - bx;
-    const float dy = ay - by;
-    const float dz = az - bz;
-    return std::sqrt(dx * dx + dy * dy + dz * dz);
-}
-
 /// wants_swap[i]: the pair (first + i, second - i) swaps. Returns whether any does.
 SPHEROSEG_WIDEST_VECTORS
 bool compare_block(

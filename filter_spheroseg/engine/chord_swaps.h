@@ -34,6 +34,14 @@ struct PointArrays {
     }
 };
 
+/// Distance in single precision, the same bits wherever it is used.
+inline float chord(float ax, float ay, float az, float bx, float by, float bz) {
+    const float dx = ax - bx;
+    const float dy = ay - by;
+    const float dz = az - bz;
+    return std::sqrt(dx * dx + dy * dy + dz * dz);
+}
+
 /// State of the pair swaps of cohesion. Each face carries the centroid of its sub-mesh and its
 /// distance to it, so that a run of pairs reads nothing but neighbouring numbers: 14 floats and 21
 /// operations per pair, no look-up by label. Faces with the same label need no test: their
