@@ -10,7 +10,7 @@ namespace {
 /// Faces of the other sub-mesh that are tried as the second half of an exchange.
 constexpr int kPartnerTries = 16;
 /// The most that a single move back can save.
-constexpr int kBestPartner = 2;
+constexpr int kBestPartner = 1;
 
 struct Balance {
     int floor;
@@ -108,9 +108,6 @@ private:
                 continue;
             }
             const bool as_fan = first.weight > 1;
-            if (as_fan && (bits & 1)) {
-                corner = kNext[corner];
-            }
             Fan fan;
             if (describe(face, corner, as_fan, (bits >> 1) & 1, fan) && fan.move.to == first.from &&
                 fan.move.boundary_change <= allowance &&

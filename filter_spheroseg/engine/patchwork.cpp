@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "patchwork.h"
 
+#include <algorithm>
+
 namespace spheroseg {
 
 bool describe_single(const Patchwork& patchwork, int face, int corner, Move& move) {
@@ -39,51 +41,40 @@ bool single_is_allowed(const Patchwork& patchwork, int face, int corner, const M
 
 bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward, Fan& fan) {
     const int label = patchwork.label(face);
-    const int vertex = patchwork.cells[face].vertex[corner];
-    int first = face;
-    int first_corner = corner;
-    for (;;) {
-        const int next = patchwork.cells[first].neighbor[first_corner];
-        if (next == face) {
-            return false;
-        }
-        if (next < 0 || patchwork.label(next) != label) {
-            break;
-        }
-        first = next;
-        first_corner = corner_of(patchwork.cells[first], vertex);
-    }
     Move& move = fan.move;
-    move.face_count = 0;
     move.from = label;
+    move.to = patchwork.label_across(patchwork.cells[face], corner);
+    if (move.to < 0 || move.to == label) {
+        return false;
+    }
+    move.face_count = 0;
     move.weight = 0;
-    int current = first;
-    int at = first_corner;
+    int change = -1;
+    int current = face;
+    int at = forward ? kNext[corner] : corner;
+    const int vertex = patchwork.cells[face].vertex[at];
     for (;;) {
         if (move.face_count == Move::kMaxFaces) {
             return false;
         }
+        const Cell& cell = patchwork.cells[current];
         fan.corners[move.face_count] = at;
         move.faces[move.face_count++] = current;
-        move.weight += patchwork.cells[current].weight;
-        const int next = patchwork.cells[current].neighbor[kPrevious[at]];
-        if (next < 0 || patchwork.label(next) != label) {
+        move.weight += cell.weight;
+        const int outside = patchwork.label_across(cell, kNext[at]);
+        change += (outside == label) - (outside == move.to);
+        const int next = cell.neighbor[forward ? at : kPrevious[at]];
+        const int next_label = next < 0 ? -2 : patchwork.label(next);
+        if (next_label != label) {
+            change -= next_label == move.to;
             break;
         }
         current = next;
         at = corner_of(patchwork.cells[current], vertex);
     }
-    const int before = patchwork.label_across(patchwork.cells[first], first_corner);
-    const int behind = patchwork.label_across(patchwork.cells[current], kPrevious[at]);
-    move.to = forward ? behind : before;
-    if (move.to < 0) {
-        return false;
-    }
-    int change = -(before == move.to) - (behind == move.to);
-    for (int i = 0; i < move.face_count; ++i) {
-        const int outside =
-            patchwork.label_across(patchwork.cells[move.faces[i]], kNext[fan.corners[i]]);
-        change += (outside == label) - (outside == move.to);
+    if (forward) {
+        std::reverse(move.faces, move.faces + move.face_count);
+        std::reverse(fan.corners, fan.corners + move.face_count);
     }
     move.boundary_change = change;
     return true;

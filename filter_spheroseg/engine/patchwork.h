@@ -104,7 +104,7 @@ inline bool all_label_around(const Patchwork& patchwork, int face, int corner, i
 
 /// A set of faces of one label around one vertex that may pass to another label.
 struct Move {
-    static constexpr int kMaxFaces = 24;
+    static constexpr int kMaxFaces = 12;
     int faces[kMaxFaces];
     int face_count = 0;
     int from = -1;
@@ -127,9 +127,9 @@ bool describe_single(const Patchwork& patchwork, int face, int corner, Move& mov
 /// True when a move from describe_single keeps both sub-meshes connected and free of bowties.
 bool single_is_allowed(const Patchwork& patchwork, int face, int corner, const Move& move);
 
-/// Describes the move of all faces with the label of `face` around its vertex at `corner`, to the
-/// label behind the last one (`forward`) or behind the first one. False when the vertex is inside
-/// its sub-mesh, or there is no other label, or too many faces.
+/// Describes the move of all faces with the label of `face` around one end of its edge at `corner`
+/// (the end of the edge if `forward`, else its begin) to the label across that edge. False when
+/// there is the same label or none, or too many faces.
 struct Fan {
     Move move;
     int corners[Move::kMaxFaces];

@@ -13,6 +13,9 @@
 
 namespace spheroseg {
 
+/// Single moves that cost one edge are not even tried with an allowance below this.
+constexpr double kLikelyCost = 0.5;
+
 /// The settings of one phase of an annealing.
 struct Phase {
     double temperature;
@@ -59,12 +62,14 @@ public:
             return false;
         }
         proposal.allowance = phase_.temperature * ExponentialQuantiles::get()(bits >> 8);
-        proposal.as_fan = (bits >> 24) & 1;
         proposal.forward = (bits >> 25) & 1;
         proposal.corner = static_cast<int>((bits & 0xFF) * 3 >> 8);
-        while (!proposal.as_fan && !differs[proposal.corner]) {
+        while (!differs[proposal.corner]) {
             proposal.corner = kNext[proposal.corner];
         }
+        // A face that touches its own sub-mesh by two edges adds a boundary edge when it leaves.
+        const bool sits_deep = differs[0] + differs[1] + differs[2] == 1;
+        proposal.as_fan = ((bits >> 24) & 1) || (sits_deep && proposal.allowance < kLikelyCost);
         return true;
     }
 
