@@ -29,23 +29,25 @@ struct Budget {
 Budget budget_of(Effort effort) {
     switch (effort) {
     case Effort::draft:
-        return {30, 60.0, 40.0, 20.0, 12, 6, 2.0};
+        return {40, 60.0, 40.0, 20.0, 12, 6, 2.0};
     case Effort::high:
-        return {60, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
+        return {120, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
     case Effort::standard:
         break;
     }
-    return {40, 300.0, 200.0, 100.0, 24, 12, 2.0};
+    return {40, 200.0, 100.0, 50.0, 24, 12, 2.0};
 }
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
-constexpr int kCoarseFacesPerSubmesh = 40;
+constexpr int kCoarseFacesPerSubmesh = 60;
 /// ... and at least so many in all, ...
 constexpr int kMinCoarseFaces = 240;
 /// ... if that has less than this share of the input's faces.
 constexpr double kWorthCoarsening = 0.7;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
+/// About as many cells as fit in a core's own cache.
+constexpr int kMinFacesToSort = 30000;
 constexpr int kStarts = 5;
 
 class FastSegmentation {
@@ -70,10 +72,6 @@ public:
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             Patchwork patchwork = coarse_start(start);
             refine_levels(patchwork);
-            const bool balanced = balance(patchwork);
-            if (balanced) {
-                exchange(patchwork);
-            }
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             const int difference = *most - *least + (forced_faces_ > 0 ? submesh_count_ : 0);
@@ -109,7 +107,9 @@ private:
                 cohesion.max_phases = options_.max_cohesion_iterations;
             }
             const std::size_t before = result_.seconds_by_iteration.size();
-            relax(patchwork, budget_.relaxations, cohesion);
+            in_label_order(patchwork, [&](Patchwork& level) {
+                relax(level, budget_.relaxations, cohesion);
+            });
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);
         }
@@ -139,32 +139,46 @@ private:
         schedule.phase_count = budget_.coarse_phases;
         const int face_count = prepared_.mesh().face_count();
         double done = 0.25;
-        for (;;) {
-            const bool finest = patchwork.face_count() == face_count;
-            if (finest) {
-                schedule.temperature_end = 0.1;
-            }
-            set_balance(schedule, patchwork, 0.5, finest ? 5.0 : 3.0);
-            const double next = finest ? 0.7 : done + (0.7 - done) * 0.4;
-            anneal(patchwork, schedule, control(&deadline_, done, next));
+        while (patchwork.face_count() < face_count) {
+            set_balance(schedule, patchwork, 0.5, 1.5);
+            const double next = done + (0.7 - done) * 0.4;
+            in_label_order(patchwork, [&](Patchwork& level) {
+                anneal(level, schedule, control(&deadline_, done, next));
+            });
             done = next;
-            if (finest) {
-                break;
-            }
             const double grown = patchwork.face_count() * budget_.growth;
-            multilevel_->uncoarsen(patchwork,
-                                   grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
-                                                                         : face_count);
+            multilevel_->uncoarsen(
+                patchwork,
+                grown < kWorthCoarsening * face_count ? static_cast<int>(grown) : face_count);
             ++schedule.seed;
-            schedule.temperature_begin = 0.3;
+            schedule.temperature_begin = 0.25;
             schedule.proposals_per_face = budget_.level_proposals;
             schedule.phase_count = budget_.level_phases;
         }
+        schedule.temperature_end = 0.1;
+        set_balance(schedule, patchwork, 0.5, 5.0);
+        in_label_order(patchwork, [&](Patchwork& finest) {
+            anneal(finest, schedule, control(&deadline_, done, 0.7));
+            if (balance(finest)) {
+                exchange(finest);
+            }
+        });
         result_.refinement_seconds += watch.elapsed_seconds();
     }
 
+    /// Works on a copy sorted by label where caches are too small for the whole mesh.
+    template <typename Work>
+    void in_label_order(Patchwork& patchwork, Work work) {
+        if (patchwork.face_count() < kMinFacesToSort) {
+            work(patchwork);
+            return;
+        }
+        SortedPatchwork sorted = sort_by_label(patchwork, options_.thread_count);
+        work(sorted.patchwork);
+        take_labels(patchwork, sorted);
+    }
+
     bool balance(Patchwork& patchwork) {
-        const Deadline watch;
         bool balanced = balance_exactly(patchwork);
         for (int i = 0; i < kBalanceTries && !balanced; ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
@@ -180,12 +194,10 @@ private:
             anneal(patchwork, schedule, {});
             balanced = balance_exactly(patchwork);
         }
-        result_.refinement_seconds += watch.elapsed_seconds();
         return balanced;
     }
 
     void exchange(Patchwork& patchwork) {
-        const Deadline watch;
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_ + 2000;
@@ -194,7 +206,6 @@ private:
         schedule.proposals_per_face = budget_.exchange_proposals;
         schedule.phase_count = budget_.level_phases;
         anneal_balanced(patchwork, schedule, control(&deadline_, 0.7, 1.0));
-        result_.refinement_seconds += watch.elapsed_seconds();
     }
 
     AnnealControl control(const Deadline* deadline, double begin, double end) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "patchwork.h"
 
+#include "threads.h"
+
 #include <algorithm>
 
 namespace spheroseg {
@@ -130,6 +132,43 @@ std::vector<int> labels_of(const Patchwork& patchwork) {
         labels[f] = patchwork.cells[f].label;
     }
     return labels;
+}
+
+SortedPatchwork sort_by_label(const Patchwork& patchwork, int thread_count) {
+    const int face_count = patchwork.face_count();
+    std::vector<int> begin(patchwork.submesh_count() + 1, 0);
+    for (const Cell& cell : patchwork.cells) {
+        ++begin[cell.label + 1];
+    }
+    for (std::size_t l = 1; l < begin.size(); ++l) {
+        begin[l] += begin[l - 1];
+    }
+    SortedPatchwork sorted;
+    sorted.order.resize(face_count);
+    std::vector<int> place(face_count);
+    for (int f = 0; f < face_count; ++f) {
+        place[f] = begin[patchwork.cells[f].label]++;
+        sorted.order[place[f]] = f;
+    }
+    sorted.patchwork.load = patchwork.load;
+    sorted.patchwork.cells.resize(face_count);
+    const int threads = resolve_thread_count(thread_count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int i = 0; i < face_count; ++i) {
+        Cell cell = patchwork.cells[sorted.order[i]];
+        for (int& neighbor : cell.neighbor) {
+            neighbor = neighbor < 0 ? neighbor : place[neighbor];
+        }
+        sorted.patchwork.cells[i] = cell;
+    }
+    return sorted;
+}
+
+void take_labels(Patchwork& patchwork, const SortedPatchwork& sorted) {
+    patchwork.load = sorted.patchwork.load;
+    for (std::size_t i = 0; i < sorted.order.size(); ++i) {
+        patchwork.cells[sorted.order[i]].label = sorted.patchwork.cells[i].label;
+    }
 }
 
 } // namespace spheroseg

@@ -143,4 +143,15 @@ void apply(Patchwork& patchwork, const Move& move);
 /// Labels of a finished patchwork, in face order.
 std::vector<int> labels_of(const Patchwork& patchwork);
 
+/// A copy whose cells are sorted by label, so that what is worked on together lies together in
+/// memory: cell i is cell order[i] of the original. O(F), parallel.
+struct SortedPatchwork {
+    Patchwork patchwork;
+    std::vector<int> order;
+};
+SortedPatchwork sort_by_label(const Patchwork& patchwork, int thread_count);
+
+/// Takes the labels and loads of the sorted copy back.
+void take_labels(Patchwork& patchwork, const SortedPatchwork& sorted);
+
 } // namespace spheroseg

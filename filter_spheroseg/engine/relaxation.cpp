@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "relaxation.h"
 
-#include "boundary.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -35,31 +33,36 @@ public:
             }
             report_progress(control.progress, static_cast<double>(i) / iterations, "Relaxation");
             const Deadline watch;
-            find_centers();
-            grow();
+            const std::int64_t boundary_edges = find_centers();
             if (control.boundary_edges) {
-                control.boundary_edges->push_back(
-                    static_cast<double>(count_boundary_edges(patchwork_)));
+                control.boundary_edges->push_back(static_cast<double>(boundary_edges));
+            }
+            grow();
+            if (control.seconds) {
                 control.seconds->push_back(watch.elapsed_seconds());
             }
         }
     }
 
 private:
-    /// The face of each sub-mesh that is farthest from its boundary.
-    void find_centers() {
+    /// Finds the face of each sub-mesh that is farthest from its boundary; returns the number of
+    /// boundary edges.
+    std::int64_t find_centers() {
+        std::int64_t sides = 0;
         queue_.clear();
         const int face_count = patchwork_.face_count();
         for (int f = 0; f < face_count; ++f) {
             const Cell& cell = patchwork_.cells[f];
             distance_[f] = -1;
             centers_[cell.label] = f;
+            int differing = 0;
             for (int neighbor : cell.neighbor) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label != cell.label) {
-                    distance_[f] = 0;
-                    queue_.push_back(f);
-                    break;
-                }
+                differing += neighbor >= 0 && patchwork_.cells[neighbor].label != cell.label;
+            }
+            if (differing > 0) {
+                distance_[f] = 0;
+                queue_.push_back(f);
+                sides += differing;
             }
         }
         for (std::size_t head = 0; head < queue_.size(); ++head) {
@@ -72,6 +75,7 @@ private:
                 }
             }
         }
+        return sides / 2;
     }
 
     /// Multi-source shortest paths with a bucket queue (Dial, 1969).
