@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fast_segmentation.h"
 
+#include "all_pairs_cohesion.h"
 #include "anneal.h"
 #include "balance.h"
 #include "bisection.h"
+#include "boundary.h"
+#include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"
+#include "sphere_bisection.h"
 
 #include <algorithm>
 #include <utility>
@@ -48,7 +52,14 @@ constexpr double kWorthCoarsening = 0.7;
 constexpr int kBalanceTries = 6;
 /// About as many cells as fit in a core's own cache.
 constexpr int kMinFacesToSort = 30000;
-constexpr int kStarts = 5;
+constexpr int kMaxStarts = 6;
+/// Starts of which `high` keeps the best result.
+constexpr int kHighStarts = 2;
+/// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
+/// on the sphere too much.
+constexpr int kManySubmeshes = 50;
+/// The tail of the cohesion is long and changes little.
+constexpr int kSphereIterations = 100;
 
 class FastSegmentation {
 public:
@@ -59,27 +70,40 @@ public:
                      const Progress& progress,
                      Segmentation& result)
         : prepared_(prepared), options_(options), submesh_count_(submesh_count),
-          deadline_(deadline), progress_(progress), result_(result),
-          budget_(budget_of(options.effort)) {}
+          deadline_(deadline), result_(result), budget_(budget_of(options.effort)) {
+        if (progress) {
+            // More starts than expected must not let it fall back.
+            rising_ = [progress, most = 0.0](double fraction, const char* step) mutable {
+                most = std::max(most, fraction);
+                return progress(most, step);
+            };
+        }
+    }
 
     void run() {
         const Deadline watch;
-        multilevel_ = &prepared_.multilevel(options_.thread_count, sub_progress(progress_, 0, 0.2));
+        multilevel_ = &prepared_.multilevel(options_.thread_count, sub_progress(rising_, 0, 0.2));
         result_.parametrization_seconds = watch.elapsed_seconds();
-        int least_difference = -1;
-        for (int start = 0; start < kStarts; ++start) {
-            // Later starts trade boundary for freedom: no coarse levels, other seeds.
+        const int wanted_starts = options_.effort == Effort::high ? kHighStarts : 1;
+        std::int64_t least_cost = -1;
+        for (int start = 0; start < kMaxStarts; ++start) {
+            const double share = 1.0 / std::max(wanted_starts, start + 1);
+            start_progress_ = sub_progress(rising_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
-            Patchwork patchwork = coarse_start(start);
+            Patchwork patchwork = first_labels(start, wanted_starts);
             refine_levels(patchwork);
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
-            const int difference = *most - *least + (forced_faces_ > 0 ? submesh_count_ : 0);
-            if (least_difference < 0 || difference < least_difference) {
-                least_difference = difference;
+            const bool valid = *most - *least <= 1 && forced_faces_ == 0;
+            // Validity before boundary: an invalid result loses against any valid one.
+            const std::int64_t cost =
+                count_boundary_edges(patchwork) + (valid ? 0 : std::int64_t{1} << 40);
+            if (least_cost < 0 || cost < least_cost) {
+                least_cost = cost;
                 result_.labels = multilevel_->labels(patchwork);
             }
-            if (least_difference <= 1 || deadline_.expired()) {
+            any_valid_ = any_valid_ || valid;
+            if (deadline_.expired() || (any_valid_ && start + 1 >= wanted_starts)) {
                 break;
             }
         }
@@ -90,7 +114,16 @@ public:
     }
 
 private:
-    Patchwork coarse_start(int start) {
+    /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
+    /// later ones, which are rarely needed, on the finest level, where no room is lost.
+    Patchwork first_labels(int start, int wanted_starts) {
+        const bool on_sphere = start == 1 && wanted_starts > 1 && submesh_count_ >= kManySubmeshes;
+        Patchwork patchwork = on_sphere ? sphere_start() : graph_start(start);
+        forced_faces_ = repair(patchwork);
+        return patchwork;
+    }
+
+    Patchwork graph_start(int start) {
         const Deadline watch;
         const int face_count = prepared_.mesh().face_count();
         const auto wanted = static_cast<int>(std::min<std::int64_t>(
@@ -98,24 +131,51 @@ private:
             std::max<std::int64_t>(kMinCoarseFaces,
                                    static_cast<std::int64_t>(kCoarseFacesPerSubmesh) *
                                        submesh_count_)));
-        const bool coarsen = start == 0 && wanted < kWorthCoarsening * face_count;
+        const bool coarsen = start < 2 && wanted < kWorthCoarsening * face_count;
         Patchwork patchwork = multilevel_->coarsen(coarsen ? wanted : face_count, submesh_count_);
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
-        if (start < 2) {
+        if (start < 3) {
+            // The last relaxations improve little; out of cache they cost too much.
+            const int relaxations = patchwork.face_count() < kMinFacesToSort
+                ? budget_.relaxations
+                : budget_.relaxations / 2;
             AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
-            if (options_.max_cohesion_iterations > 0) {
-                cohesion.max_phases = options_.max_cohesion_iterations;
-            }
+            cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
-            in_label_order(patchwork, [&](Patchwork& level) {
-                relax(level, budget_.relaxations, cohesion);
-            });
+            in_label_order(patchwork,
+                           [&](Patchwork& level) { relax(level, relaxations, cohesion); });
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);
         }
-        forced_faces_ = repair(patchwork);
         result_.cohesion_seconds += watch.elapsed_seconds();
         return patchwork;
+    }
+
+    Patchwork sphere_start() {
+        const Deadline map_watch;
+        const std::vector<Vec3> centroids = face_centroids_on_sphere(
+            prepared_.mesh(),
+            prepared_
+                .parametrization(options_.thread_count, sub_progress(start_progress_, 0.2, 0.22))
+                .positions);
+        result_.parametrization_seconds += map_watch.elapsed_seconds();
+        const Deadline watch;
+        SwapLimits limits;
+        limits.thread_count = options_.thread_count;
+        limits.deadline = &deadline_;
+        limits.max_iterations = std::min(kSphereIterations, max_cohesion_iterations());
+        std::vector<int> labels = balanced_sphere_labels(centroids, submesh_count_);
+        const SwapIterations cohesion = cohere_pairs(
+            centroids, submesh_count_, limits, labels, sub_progress(start_progress_, 0.22, 0.25));
+        result_.cohesion_iterations += cohesion.count();
+        Patchwork patchwork = multilevel_->coarsen(prepared_.mesh().face_count(), submesh_count_);
+        multilevel_->set_labels(patchwork, labels);
+        result_.cohesion_seconds += watch.elapsed_seconds();
+        return patchwork;
+    }
+
+    int max_cohesion_iterations() const {
+        return options_.max_cohesion_iterations > 0 ? options_.max_cohesion_iterations : 1 << 30;
     }
 
     /// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
@@ -147,9 +207,9 @@ private:
             });
             done = next;
             const double grown = patchwork.face_count() * budget_.growth;
-            multilevel_->uncoarsen(
-                patchwork,
-                grown < kWorthCoarsening * face_count ? static_cast<int>(grown) : face_count);
+            multilevel_->uncoarsen(patchwork,
+                                   grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
+                                                                         : face_count);
             ++schedule.seed;
             schedule.temperature_begin = 0.25;
             schedule.proposals_per_face = budget_.level_proposals;
@@ -167,8 +227,7 @@ private:
     }
 
     /// Works on a copy sorted by label where caches are too small for the whole mesh.
-    template <typename Work>
-    void in_label_order(Patchwork& patchwork, Work work) {
+    template <typename Work> void in_label_order(Patchwork& patchwork, Work work) {
         if (patchwork.face_count() < kMinFacesToSort) {
             work(patchwork);
             return;
@@ -211,7 +270,7 @@ private:
     AnnealControl control(const Deadline* deadline, double begin, double end) {
         AnnealControl control;
         control.deadline = deadline;
-        control.progress = sub_progress(progress_, begin, end);
+        control.progress = sub_progress(start_progress_, begin, end);
         control.boundary_edges = &result_.boundary_edges_by_iteration;
         control.seconds = &result_.seconds_by_iteration;
         if (options_.max_refinement_iterations > 0) {
@@ -226,12 +285,14 @@ private:
     const SegmentOptions& options_;
     const int submesh_count_;
     const Deadline& deadline_;
-    const Progress& progress_;
+    Progress rising_;
+    Progress start_progress_;
     Segmentation& result_;
     const Budget budget_;
     const Multilevel* multilevel_ = nullptr;
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;
+    bool any_valid_ = false;
 };
 
 } // namespace

@@ -119,4 +119,13 @@ std::vector<int> Multilevel::labels(const Patchwork& patchwork) const {
     return labels;
 }
 
+void Multilevel::set_labels(Patchwork& patchwork, const std::vector<int>& labels) const {
+    std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
+    for (std::size_t f = 0; f < labels.size(); ++f) {
+        Cell& cell = patchwork.cells[cell_of_face_[f]];
+        cell.label = labels[f];
+        patchwork.load[cell.label] += cell.weight;
+    }
+}
+
 } // namespace spheroseg

@@ -28,6 +28,9 @@ public:
     /// Labels of the finest level in the order of the input mesh's faces.
     std::vector<int> labels(const Patchwork& patchwork) const;
 
+    /// The reverse, on the finest level: takes one label per face of the input mesh.
+    void set_labels(Patchwork& patchwork, const std::vector<int>& labels) const;
+
     int face_count() const { return static_cast<int>(cell_of_face_.size()); }
 
 private:
