@@ -54,4 +54,13 @@ print(u.find_spec('pymeshlab').submodule_search_locations[0])")/lib/libmeshlab-c
 }
 
 [ $# -gt 0 ] || set -- 2022.2.post4 2023.12.post3
-for release in "$@"; do test_host "$release"; done
+failed=()
+for release in "$@"; do
+    # In a process of its own: the shell ignores `set -e` in what stands before ||.
+    bash -c "$(declare -f say meshlab_of headers_of test_host); root='$root'; set -euo pipefail
+        test_host '$release'" || failed+=("$release")
+done
+[ ${#failed[@]} -eq 0 ] || {
+    say "failed: ${failed[*]}" >&2
+    exit 1
+}

@@ -4,7 +4,15 @@
 import numpy as np
 import pymeshlab
 import pytest
-from host_meshes import SEGMENTATION, document, ellipsoid, labels_of, mesh_count, state
+from host_meshes import (
+    SEGMENTATION,
+    document,
+    ellipsoid,
+    labels_of,
+    mesh_count,
+    require_attributes_from_python,
+    state,
+)
 from shapes import bumpy_sphere, octahedron
 
 LAYERS = "generate_submesh_layers"
@@ -63,6 +71,7 @@ def test_layers_of_a_segmentation_put_the_mesh_together_again():
 
 
 def test_attributes_of_vertices_and_faces_are_kept():
+    require_attributes_from_python()
     vertices, faces = bumpy_sphere(2, 0)
     generator = np.random.default_rng(0)
     labels = generator.integers(0, 5, size=len(faces))

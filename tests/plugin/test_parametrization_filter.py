@@ -8,11 +8,9 @@ from host_meshes import (
     flipped_count,
     labels_of,
     mesh_count,
+    require_attributes_from_python,
     state,
 )
-
-import spheroseg
-from spheroseg import install
 
 ATTRIBUTE = "sphere_position"
 ALL_PAIRS = {"submesh_count": 16, "method": "all_pairs"}
@@ -23,8 +21,7 @@ def sphere_positions(mesh_set):
 
 
 def with_attribute(positions):
-    if install.plugin_host(spheroseg.plugin_path()).release == "2022.02":
-        pytest.skip("PyMeshLab 2022.2 corrupts its memory when Python adds an attribute")
+    require_attributes_from_python()
     mesh_set = ellipsoid()
     mesh_set.current_mesh().add_vertex_custom_point_attribute(positions, ATTRIBUTE)
     return mesh_set
