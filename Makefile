@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
-.PHONY: help demo report test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
+.PHONY: help demo report bench test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
 	test-style test-engine test-sanitize test-plugin test-python test-gui test-hosts
 
 PYTHON := .venv/bin/python
@@ -12,6 +12,7 @@ export PYTHONPATH := $(CURDIR)/python
 help:
 	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
 	@echo "make report      compare with METIS and region growing (out/report/report.html)"
+	@echo "make bench       time and quality against partitioners (docs/benchmarks.md; some 20 minutes)"
 	@echo "make test        everything that CI runs"
 	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
 	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
@@ -51,6 +52,10 @@ report: setup plugin
 		$(addprefix $(shell $(PYTHON) -c 'import pymeshlab; print(pymeshlab.__path__[0])')/tests/sample_meshes/,\
 			cow.obj airplane.obj bone.ply bunny.obj) \
 		-o out/report -k 20 200
+
+# BENCH holds options, as in: make bench BENCH="--meshes cow,bunny --k 200" (see --help).
+bench: setup plugin
+	$(PYTHON) -m spheroseg.bench $(BENCH)
 
 test: test-style test-engine test-sanitize test-plugin test-python test-gui
 

@@ -27,20 +27,31 @@ def segment(
     once per process: another `thread_count` later is a RuntimeError. The preset carries state from
     call to call: the same labels again only on one thread and after the same calls, as in a fresh
     process."""
-    mtkahypar = require("mtkahypar")
     graph = checked_graph(faces, k, seed, graph)
     if k == 1:
         return np.zeros(graph.face_count, dtype=np.int32)
+    return partition(load_graph(faces, graph=graph, thread_count=thread_count), k, seed)
+
+
+def load_graph(faces: np.ndarray, *, graph: DualGraph | None = None, thread_count: int = 1):
+    """Mt-KaHyPar's own graph and its preset. Its package takes edges as Python tuples, so a stop
+    watch that is to measure the partitioner alone calls this first and then `partition`."""
+    mtkahypar = require("mtkahypar")
+    graph = checked_graph(faces, 1, 0, graph)
     initializer = _initializer(thread_count)
-    mtkahypar.set_seed(seed)
     context = initializer.context_from_preset(mtkahypar.PresetType.QUALITY)
-    context.set_partitioning_parameters(k, SLACK, mtkahypar.Objective.CUT)
     context.logging = False
     edges = [tuple(edge) for edge in graph.edges().tolist()]
-    partitioned = initializer.create_graph(context, graph.face_count, len(edges), edges).partition(
-        context
-    )
-    return as_labels(partitioned.get_partition())
+    return initializer.create_graph(context, graph.face_count, len(edges), edges), context
+
+
+def partition(loaded, k: int, seed: int) -> np.ndarray:
+    """Labels for 2 parts or more of what `load_graph` returned."""
+    mtkahypar = require("mtkahypar")
+    mtkahypar_graph, context = loaded
+    mtkahypar.set_seed(seed)
+    context.set_partitioning_parameters(k, SLACK, mtkahypar.Objective.CUT)
+    return as_labels(mtkahypar_graph.partition(context).get_partition())
 
 
 _initialized_threads: list[int] = []

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import recount
+from shapes import octahedron
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("pymetis")
+pytest.importorskip("kaminpar")
+pytest.importorskip("mtkahypar")
+
+from spheroseg.bench import __main__ as program
+from spheroseg.bench import records
+from spheroseg.bench.meshes import subdivided
+from spheroseg.bench.plan import Plan, sweep_counts
+from spheroseg.bench.statistics import (
+    Bar,
+    Table,
+    bars,
+    fitted_exponent,
+    geometric_mean,
+    is_valid,
+    submesh_count,
+)
+
+
+def row(method: str, edges: int, seconds: float, **changes) -> dict:
+    """A valid first call on a mesh of 12,800 triangles with k = 200."""
+    return {
+        "mesh": "ball",
+        "triangle_count": 12_800,
+        "submesh_count": 200,
+        "method": method,
+        "measurement": "first",
+        "status": "done",
+        "seconds": seconds,
+        "boundary_edge_count": edges,
+        "max_triangle_count_difference": 1,
+        "min_submesh_triangles": 64,
+        "found_submesh_count": 200,
+        "bowtie_count": 0,
+        "disconnected_submesh_count": 0,
+    } | changes
+
+
+def bar_of(found: list[Bar], *words: str) -> Bar:
+    (one,) = [bar for bar in found if all(word in bar.title for word in words)]
+    return one
+
+
+def test_geometric_mean_of_two_and_eight_is_four():
+    assert geometric_mean([2, 8]) == pytest.approx(4)
+    assert math.isnan(geometric_mean([]))
+
+
+def test_exponent_of_a_power_law_is_its_power():
+    sizes = [5_000, 20_000, 80_000, 1_300_000]
+    assert fitted_exponent(sizes, [3e-6 * size**1.1 for size in sizes]) == pytest.approx(1.1)
+    assert math.isnan(fitted_exponent([5_000, 5_000], [1.0, 2.0]))
+
+
+@pytest.mark.parametrize(
+    ("kind", "face_count", "k"), [("20", 999, 20), ("F/256", 512, 2), ("F/256", 513, 3)]
+)
+def test_submesh_count_rounds_up(kind, face_count, k):
+    assert submesh_count(kind, face_count) == k
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        {"max_triangle_count_difference": 2},
+        {"bowtie_count": 1},
+        {"disconnected_submesh_count": 1},
+        {"min_submesh_triangles": 0},
+        {"found_submesh_count": 199},
+        {"status": "failed"},
+    ],
+)
+def test_one_fault_makes_a_result_invalid(fault):
+    assert is_valid(row("fast_standard", 100, 1.0))
+    assert not is_valid(row("fast_standard", 100, 1.0, **fault))
+
+
+def test_subdivision_keeps_a_closed_surface_and_its_volume():
+    vertices, faces = octahedron()
+    fine_vertices, fine_faces = subdivided(vertices, faces)
+    assert fine_vertices.shape == (6 + 12, 3)
+    assert fine_faces.shape == (32, 3)
+    assert recount.surface_faults(fine_vertices, fine_faces) == []
+    assert recount.volume(fine_vertices, fine_faces) == pytest.approx(
+        recount.volume(vertices, faces)
+    )
+    areas = np.linalg.norm(recount.area_vectors(fine_vertices, fine_faces), axis=1)
+    assert areas == pytest.approx(np.full(32, areas[0]))
+
+
+def test_bars_compare_medians_with_the_better_metis_mode():
+    found = bars(
+        Table(
+            [
+                row("fast_standard", 95, 1.0),
+                row("fast_standard", 90, 3.0),
+                row("fast_standard", 70, 2.0),
+                row("metis_kway", 120, 1.0),
+                row("metis_recursive", 100, 0.5),
+                row("fast_standard", 90, 0.5, measurement="again"),
+            ]
+        )
+    )
+    edges = bar_of(found, "better METIS", "k = 200", "`standard`")
+    assert edges.value == pytest.approx(0.90)  # median 90 over recursive's 100
+    assert edges.verdict == "aim reached"
+    time = bar_of(found, "total time", "60,000")
+    assert (time.value, time.verdict) == (pytest.approx(2.0), "bar reached")
+    again = bar_of(found, "second call")
+    assert (again.value, again.verdict) == (pytest.approx(0.25), "bar reached")
+    assert bar_of(found, "better METIS", "`high`").verdict == "not measured"
+
+
+def test_bars_count_failed_and_swept_runs_as_results():
+    rows = [row("fast_standard", 95, 1.0), row("fast_draft", 0, 0, status="failed")]
+    sweep = [row("fast_draft", 9, 1.0), row("fast_draft", 9, 1.0, bowtie_count=2)]
+    valid = bar_of(bars(Table(rows), sweep), "valid results")
+    assert (valid.value, valid.case_count, valid.verdict) == (50, 4, "not reached")
+
+
+def test_a_rising_bar_is_reached_from_below():
+    assert Bar("speed-up", 1.5, 1.8, 1.6, 1, more_is_better=True).verdict == "bar reached"
+    assert Bar("speed-up", 1.5, 1.8, 1.4, 1, more_is_better=True).verdict == "not reached"
+
+
+def test_sweep_covers_at_least_thirty_values_from_two_to_all():
+    for face_count in (40, 1_000, 558_976):
+        counts = sweep_counts(face_count)
+        assert len(counts) >= 30
+        assert (counts[0], counts[-1]) == (2, face_count)
+    assert sweep_counts(4) == [2, 3, 4]
+
+
+def test_plan_spares_large_meshes_the_slow_rivals():
+    plan = Plan(repeats=3, rival_limit=10_000, once_limit=1_000)
+    small = [run.method for run in plan.runs(5_120) if run.measurement == "first"]
+    large = [run.method for run in plan.runs(20_480) if run.measurement == "first"]
+    # k = 20 is F/256 there: three values of k.
+    assert small.count("mtkahypar_quality") == 3
+    assert small.count("fast_standard") == 9
+    assert "mtkahypar_quality" not in large
+    assert large.count("metis_kway") == 12
+
+
+def test_program_writes_the_document_and_resumes(tmp_path, capsys):
+    arguments = ["--meshes", "bone", "--k", "20", "--methods", "fast_standard,metis_kway"]
+    arguments += ["--repeats", "1", "--output", str(tmp_path)]
+    assert program.main(arguments) == 0
+    rows = records.load(tmp_path / "runs.csv")
+    assert {(r["method"], r["status"]) for r in rows} == {
+        ("fast_standard", "done"),
+        ("metis_kway", "done"),
+    }
+    ours = next(r for r in rows if r["method"] == "fast_standard")
+    assert is_valid(ours)
+    assert ours["triangle_count"] == 3_022
+    assert 0 < ours["total_seconds"] <= ours["seconds"]
+    text = (tmp_path / "benchmarks.md").read_text()
+    assert "| bone | 3,022 | 20 |" in text
+    assert (tmp_path / "images" / "benchmarks.png").stat().st_size > 1_000
+
+    first = (tmp_path / "runs.csv").read_text()
+    assert program.main([*arguments, "--resume"]) == 0
+    assert (tmp_path / "runs.csv").read_text() == first
+    assert "  k " not in capsys.readouterr().out.split("written:")[1]
+
+
+def test_sweep_counts_invalid_results(tmp_path):
+    arguments = ["--meshes", "bone", "--output", str(tmp_path), "--validity-sweep"]
+    assert program.main([*arguments, "--methods", "fast_draft", "--sweep-count", "3"]) == 0
+    rows = records.load(tmp_path / "sweep.csv")
+    assert {2, 1_511, 3_021, 3_022} <= {row["submesh_count"] for row in rows}
+    assert "`fast` draft, sweep over k" in (tmp_path / "benchmarks.md").read_text()
