@@ -15,9 +15,8 @@ public:
                   Grouping& grouping,
                   int group,
                   const Phase& phase)
-        : patchwork_(patchwork), group_of_label_(grouping.group_of_label()), group_(group),
-          balance_weight_(phase.balance_weight),
-          source_(patchwork, boundary, grouping.faces(group), phase, group) {}
+        : patchwork_(patchwork), balance_weight_(phase.balance_weight),
+          source_(patchwork, boundary, grouping, group, phase) {}
 
     std::int64_t run() {
         for (auto left = source_.proposal_count(); left > 0 && !source_.exhausted(); --left) {
@@ -42,12 +41,10 @@ private:
         return move.boundary_change + balance_weight_ * change;
     }
 
-    bool in_group(int label) const { return group_of_label_[label] == group_; }
-
     void propose_single(const ProposalSource::Proposal& proposal) {
         Move move;
         if (describe_single(patchwork_, proposal.face, proposal.corner, move) &&
-            in_group(move.to) && cost(move) <= proposal.allowance &&
+            cost(move) <= proposal.allowance &&
             single_is_allowed(patchwork_, proposal.face, proposal.corner, move)) {
             accept(move);
         }
@@ -56,8 +53,7 @@ private:
     void propose_fan(const ProposalSource::Proposal& proposal) {
         Fan fan;
         if (describe_fan(patchwork_, proposal.face, proposal.corner, proposal.forward, fan) &&
-            in_group(fan.move.to) && cost(fan.move) <= proposal.allowance &&
-            fan_is_allowed(patchwork_, fan)) {
+            cost(fan.move) <= proposal.allowance && fan_is_allowed(patchwork_, fan)) {
             accept(fan.move);
         }
     }
@@ -69,8 +65,6 @@ private:
     }
 
     Patchwork& patchwork_;
-    const std::vector<int>& group_of_label_;
-    const int group_;
     const double balance_weight_;
     ProposalSource source_;
     std::int64_t change_ = 0;

@@ -26,9 +26,8 @@ public:
                    const Phase& phase,
                    const Balance& balance,
                    std::vector<std::vector<int>>& faces_of_label)
-        : patchwork_(patchwork), group_of_label_(grouping.group_of_label()), group_(group),
-          balance_(balance), faces_of_label_(faces_of_label),
-          source_(patchwork, boundary, grouping.faces(group), phase, group) {
+        : patchwork_(patchwork), balance_(balance), faces_of_label_(faces_of_label),
+          source_(patchwork, boundary, grouping, group, phase) {
         for (int f : grouping.faces(group)) {
             faces_of_label_[patchwork_.label(f)].clear();
         }
@@ -42,8 +41,7 @@ public:
             ProposalSource::Proposal proposal;
             Fan fan;
             if (source_.draw(proposal) &&
-                describe(proposal.face, proposal.corner, proposal.as_fan, proposal.forward, fan) &&
-                group_of_label_[fan.move.to] == group_) {
+                describe(proposal.face, proposal.corner, proposal.as_fan, proposal.forward, fan)) {
                 try_move(proposal, fan);
             }
         }
@@ -137,8 +135,6 @@ private:
     }
 
     Patchwork& patchwork_;
-    const std::vector<int>& group_of_label_;
-    const int group_;
     const Balance balance_;
     std::vector<std::vector<int>>& faces_of_label_;
     ProposalSource source_;

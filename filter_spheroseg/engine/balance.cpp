@@ -2,6 +2,7 @@
 #include "balance.h"
 
 #include "boundary.h"
+#include "random.h"
 
 #include <algorithm>
 
@@ -25,12 +26,12 @@ public:
     bool run() {
         std::int64_t least = imbalance();
         for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds; ++idle_rounds) {
-            ++round_;
             for (int l = 0; l < patchwork_.submesh_count(); ++l) {
                 // A chain that breaks leaves its face on the way, so the same label may be off
                 // again: no more tries than it had faces too many or too few.
                 for (int left = deviation(l); left > 0 && deviation(l) > 0; --left) {
-                    if (!relieve(l, patchwork_.load[l] > ceiling_)) {
+                    const bool outward = patchwork_.load[l] > ceiling_;
+                    if (!(idle_rounds > 0 ? wander(l, outward) : relieve(l, outward))) {
                         break;
                     }
                 }
@@ -46,7 +47,7 @@ public:
 
 private:
     /// Rounds without progress before giving up; each searches in another order.
-    static constexpr int kMaxIdleRounds = 8;
+    static constexpr int kMaxIdleRounds = 20;
 
     /// Faces that a sub-mesh has too many or too few.
     int deviation(int label) const {
@@ -116,7 +117,9 @@ private:
             arc_of_[arc.label] = -1;
         }
         if (arcs_.size() > 1) {
-            std::rotate(arcs_.begin(), arcs_.begin() + round_ % arcs_.size(), arcs_.end());
+            std::rotate(arcs_.begin(),
+                        arcs_.begin() + random_.below(static_cast<std::uint32_t>(arcs_.size())),
+                        arcs_.end());
         }
         return arcs_;
     }
@@ -164,21 +167,52 @@ private:
         return moved;
     }
 
+    /// The same by a random walk: where sub-meshes have two or three faces, the first move of a
+    /// chain often forbids the next one, but there is always some other move.
+    bool wander(int label, bool outward) {
+        int at = label;
+        for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
+            const std::vector<Arc>& ways = arcs(at, outward);
+            if (ways.empty()) {
+                break;
+            }
+            const int to = ways.front().label;
+            commit(Move(ways.front().move));
+            at = to;
+            const int load = patchwork_.load[at];
+            if (load >= floor_ && load <= ceiling_) {
+                break;
+            }
+        }
+        return at != label;
+    }
+
     bool pass(int from, int to) {
         for (const Arc& arc : arcs(from, true)) {
             if (arc.label == to) {
-                apply(patchwork_, arc.move);
-                const int face = arc.move.faces[0];
-                faces_of_[to].push_back(face);
-                for (int neighbor : patchwork_.cells[face].neighbor) {
-                    if (neighbor >= 0 && patchwork_.label(neighbor) == from) {
-                        faces_of_[from].push_back(neighbor);
-                    }
-                }
+                commit(arc.move);
                 return true;
             }
         }
         return false;
+    }
+
+    void commit(const Move& move) {
+        apply(patchwork_, move);
+        const int face = move.faces[0];
+        list(face, move.to);
+        for (int neighbor : patchwork_.cells[face].neighbor) {
+            if (neighbor >= 0 && patchwork_.label(neighbor) == move.from) {
+                list(neighbor, move.from);
+            }
+        }
+    }
+
+    void list(int face, int label) {
+        std::vector<int>& faces = faces_of_[label];
+        if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
+            faces.push_back(face);
+        }
     }
 
     Patchwork& patchwork_;
@@ -189,7 +223,7 @@ private:
     std::vector<int> queue_;
     int floor_ = 0;
     int ceiling_ = 0;
-    std::size_t round_ = 0;
+    Random random_{0x62616c616e6365ULL};
 };
 
 } // namespace

@@ -10,8 +10,10 @@ namespace spheroseg {
 
 namespace {
 
-/// Large enough that most boundaries lie inside a group, small enough to feed many threads.
-constexpr int kLabelsPerGroup = 24;
+/// Sub-meshes in a group: enough that most boundaries lie inside one, few enough to feed threads.
+constexpr int kMinLabelsPerGroup = 24;
+constexpr int kMaxLabelsPerGroup = 96;
+constexpr int kWantedGroups = 32;
 
 bool touches_other_label(const Patchwork& patchwork, int face) {
     const Cell& cell = patchwork.cells[face];
@@ -85,11 +87,11 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     return graph;
 }
 
-void Grouping::regroup(const Patchwork& patchwork,
-                       const BoundaryFaces& boundary,
-                       std::uint64_t seed) {
+void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std::uint64_t seed) {
     const int submesh_count = patchwork.submesh_count();
-    const int wanted = std::max(1, submesh_count / kLabelsPerGroup);
+    const int labels_per_group =
+        std::clamp(submesh_count / kWantedGroups, kMinLabelsPerGroup, kMaxLabelsPerGroup);
+    const int wanted = std::max(1, submesh_count / labels_per_group);
     group_of_label_.assign(submesh_count, wanted == 1 ? 0 : -1);
     int group_count = wanted;
     if (wanted > 1) {
@@ -124,13 +126,29 @@ void Grouping::regroup(const Patchwork& patchwork,
         }
     }
     faces_.assign(group_count, {});
+    idle_faces_.clear();
     for (int f : boundary.faces()) {
-        faces_[group_of_label_[patchwork.cells[f].label]].push_back(f);
+        const Cell& cell = patchwork.cells[f];
+        const int group = group_of_label_[cell.label];
+        bool touches_other = false;
+        bool may_move = false;
+        for (int neighbor : cell.neighbor) {
+            const int other = neighbor < 0 ? cell.label : patchwork.cells[neighbor].label;
+            if (other != cell.label) {
+                touches_other = true;
+                may_move = may_move || group_of_label_[other] == group;
+            }
+        }
+        if (touches_other) {
+            (may_move ? faces_[group] : idle_faces_).push_back(f);
+        } else {
+            boundary.unlist(f);
+        }
     }
 }
 
 void Grouping::collect(BoundaryFaces& boundary) {
-    boundary.faces().clear();
+    boundary.faces() = idle_faces_;
     for (const std::vector<int>& faces : faces_) {
         boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());
     }

@@ -16,12 +16,8 @@ public:
     std::vector<int>& faces() { return faces_; }
     const std::vector<int>& faces() const { return faces_; }
 
-    /// Removes faces[index]; the last one takes its place.
-    void unlist(std::vector<int>& faces, std::size_t index) {
-        listed_[faces[index]] = 0;
-        faces[index] = faces.back();
-        faces.pop_back();
-    }
+    /// Forgets a face that touches no other sub-mesh; the caller takes it from its list.
+    void unlist(int face) { listed_[face] = 0; }
 
     /// Appends to `faces` the neighbours of a face that left sub-mesh `label` and are still in it.
     void list_neighbors(const Patchwork& patchwork, int face, int label, std::vector<int>& faces) {
@@ -53,17 +49,19 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
 class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
-    void regroup(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
+    void regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std::uint64_t seed);
     int group_count() const { return static_cast<int>(faces_.size()); }
     const std::vector<int>& group_of_label() const { return group_of_label_; }
-    /// The listed faces whose label is in the group.
+    /// The listed faces whose label is in the group and that touch another label of it.
     std::vector<int>& faces(int group) { return faces_[group]; }
-    /// Gives the faces back, group by group.
+    /// Gives the faces back.
     void collect(BoundaryFaces& boundary);
 
 private:
     std::vector<int> group_of_label_;
     std::vector<std::vector<int>> faces_;
+    /// The other listed faces.
+    std::vector<int> idle_faces_;
 };
 
 } // namespace spheroseg

@@ -39,7 +39,7 @@ Budget budget_of(Effort effort) {
     case Effort::standard:
         break;
     }
-    return {40, 200.0, 100.0, 50.0, 24, 12, 2.0};
+    return {60, 200.0, 90.0, 40.0, 24, 12, 2.0};
 }
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
@@ -138,7 +138,7 @@ private:
             // The last relaxations improve little; out of cache they cost too much.
             const int relaxations = patchwork.face_count() < kMinFacesToSort
                 ? budget_.relaxations
-                : budget_.relaxations / 2;
+                : budget_.relaxations / 3;
             AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();

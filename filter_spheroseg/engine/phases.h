@@ -30,10 +30,11 @@ class ProposalSource {
 public:
     ProposalSource(Patchwork& patchwork,
                    BoundaryFaces& boundary,
-                   std::vector<int>& faces,
-                   const Phase& phase,
-                   int group)
-        : patchwork_(patchwork), boundary_(boundary), faces_(faces), phase_(phase),
+                   Grouping& grouping,
+                   int group,
+                   const Phase& phase)
+        : patchwork_(patchwork), boundary_(boundary), group_of_label_(grouping.group_of_label()),
+          group_(group), faces_(grouping.faces(group)), phase_(phase),
           random_(phase.seed, static_cast<std::uint64_t>(group)) {}
 
     struct Proposal {
@@ -45,7 +46,8 @@ public:
         double allowance;
     };
 
-    /// False when the face drawn touches no other sub-mesh any more; it is unlisted.
+    /// False when the face drawn touches no other sub-mesh any more (it is unlisted), or the one
+    /// drawn with it belongs to another group.
     bool draw(Proposal& proposal) {
         const std::uint64_t bits = random_.next();
         const auto count = static_cast<std::uint64_t>(faces_.size());
@@ -58,7 +60,9 @@ public:
             differs[c] = across >= 0 && across != label;
         }
         if (!differs[0] && !differs[1] && !differs[2]) {
-            boundary_.unlist(faces_, index);
+            boundary_.unlist(proposal.face);
+            faces_[index] = faces_.back();
+            faces_.pop_back();
             return false;
         }
         proposal.allowance = phase_.temperature * ExponentialQuantiles::get()(bits >> 8);
@@ -66,6 +70,10 @@ public:
         proposal.corner = static_cast<int>((bits & 0xFF) * 3 >> 8);
         while (!differs[proposal.corner]) {
             proposal.corner = kNext[proposal.corner];
+        }
+        const int to = patchwork_.label_across(patchwork_.cells[proposal.face], proposal.corner);
+        if (group_of_label_[to] != group_) {
+            return false;
         }
         // A face that touches its own sub-mesh by two edges adds a boundary edge when it leaves.
         const bool sits_deep = differs[0] + differs[1] + differs[2] == 1;
@@ -90,6 +98,8 @@ public:
 private:
     Patchwork& patchwork_;
     BoundaryFaces& boundary_;
+    const std::vector<int>& group_of_label_;
+    const int group_;
     std::vector<int>& faces_;
     const Phase& phase_;
     Random random_;
