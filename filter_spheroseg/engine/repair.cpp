@@ -143,24 +143,36 @@ private:
         }
     }
 
-    /// Gives an empty sub-mesh a face at the end of another one that has at least two.
+    /// Gives an empty sub-mesh a face that another one can spare and stay whole.
     void split_off_face(int label) {
         for (int tries = 0; tries < patchwork_.face_count(); ++tries) {
             donor_ = (donor_ + 1) % patchwork_.face_count();
-            const int from = patchwork_.cells[donor_].label;
-            if (from < 0) {
-                continue;
-            }
-            int same = 0;
-            for (int c = 0; c < 3; ++c) {
-                same += patchwork_.label_across(patchwork_.cells[donor_], c) == from;
-            }
-            if (same == 1) {
-                patchwork_.load[from] -= patchwork_.cells[donor_].weight;
+            if (can_spare(donor_)) {
+                patchwork_.load[patchwork_.cells[donor_].label] -= patchwork_.cells[donor_].weight;
                 take(donor_, label);
                 return;
             }
         }
+    }
+
+    /// The face's sub-mesh has other faces, and at each corner where it lies between two of them
+    /// they meet around the corner too.
+    bool can_spare(int face) const {
+        const Cell& cell = patchwork_.cells[face];
+        const int label = cell.label;
+        if (label < 0) {
+            return false;
+        }
+        bool same[3];
+        for (int c = 0; c < 3; ++c) {
+            same[c] = patchwork_.label_across(cell, c) == label;
+        }
+        for (int c = 0; c < 3; ++c) {
+            if (same[c] && same[kPrevious[c]] && !all_label_around(patchwork_, face, c, label)) {
+                return false;
+            }
+        }
+        return same[0] || same[1] || same[2];
     }
 
     void grow() {

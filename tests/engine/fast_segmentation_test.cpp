@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segment.h"
+
+#include "test_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+SegmentOptions fast_options(int submesh_count, Effort effort = Effort::standard) {
+    SegmentOptions options;
+    options.submesh_count = submesh_count;
+    options.effort = effort;
+    return options;
+}
+
+TEST(Fast, IsTheDefaultMethod) {
+    EXPECT_EQ(SegmentOptions().method, Method::fast);
+}
+
+TEST(Fast, EveryKOnSmallMeshesIsValid) {
+    const TriangleMesh meshes[] = {
+        tetrahedron(), octahedron(), icosahedron(), bipyramid(30), slivers(40), icosphere(1)};
+    for (const TriangleMesh& mesh : meshes) {
+        PreparedMesh prepared(mesh, 1);
+        for (int k = 1; k <= mesh.face_count(); ++k) {
+            const Measures measures = segment(prepared, fast_options(k, Effort::draft)).measures;
+            EXPECT_TRUE(measures.is_valid())
+                << mesh.face_count() << " faces, k " << k << ": MTCD "
+                << measures.max_triangle_count_difference << ", disconnected "
+                << measures.disconnected_submesh_count << ", bowties " << measures.bowtie_count;
+        }
+    }
+}
+
+TEST(Fast, SweepsOfKOnLargerMeshesAreValid) {
+    for (const TriangleMesh& mesh :
+         {limbed_figure(3), flipped_sphere(3, 800), displaced_sphere(4)}) {
+        PreparedMesh prepared(mesh, 2);
+        const int f = mesh.face_count();
+        for (int k :
+             {1, 2, 3, 11, 50, f / 64, f / 20, f / 7, 10 * f / 31, f / 3, f / 2, f - 1, f}) {
+            for (Effort effort : {Effort::draft, Effort::standard}) {
+                const Segmentation result = segment(prepared, fast_options(k, effort));
+                EXPECT_TRUE(result.measures.is_valid()) << f << " faces, k " << k;
+                EXPECT_EQ(result.measures.submesh_count, k);
+            }
+        }
+    }
+}
+
+TEST(Fast, SameSeedSameLabelsForAnyThreadCountAndOnAReusedMesh) {
+    const TriangleMesh mesh = limbed_figure(4);
+    for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+        SegmentOptions options = fast_options(effort == Effort::high ? 60 : 130, effort);
+        std::vector<int> reference;
+        for (int threads : {1, 2, 3}) {
+            options.thread_count = threads;
+            PreparedMesh prepared(mesh, threads);
+            const std::vector<int> labels = segment(prepared, options).labels;
+            segment(prepared, fast_options(17, Effort::draft));
+            EXPECT_EQ(segment(prepared, options).labels, labels);
+            if (reference.empty()) {
+                reference = labels;
+            }
+            EXPECT_EQ(labels, reference) << threads << " threads";
+        }
+        options.seed = 1;
+        PreparedMesh prepared(mesh, 1);
+        EXPECT_NE(segment(prepared, options).labels, reference);
+    }
+}
+
+TEST(Fast, DependsOnConnectivityOnly) {
+    TriangleMesh mesh = displaced_sphere(3);
+    PreparedMesh prepared(mesh, 1);
+    for (Vec3& p : mesh.positions) {
+        p = {p.x * 1e-3 + 5.0, p.z, -p.y * 100.0};
+    }
+    PreparedMesh moved(mesh, 1);
+    for (Effort effort : {Effort::standard, Effort::high}) {
+        const SegmentOptions options = fast_options(64, effort);
+        EXPECT_EQ(segment(prepared, options).labels, segment(moved, options).labels);
+    }
+}
+
+TEST(Fast, MoreEffortGivesShorterBoundaries) {
+    PreparedMesh prepared(displaced_sphere(4), 2);
+    int draft = 0;
+    int standard = 0;
+    int high = 0;
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        const auto edges = [&](Effort effort) {
+            SegmentOptions options = fast_options(80, effort);
+            options.seed = seed;
+            return segment(prepared, options).measures.boundary_edge_count;
+        };
+        draft += edges(Effort::draft);
+        standard += edges(Effort::standard);
+        high += edges(Effort::high);
+    }
+    EXPECT_LT(standard, draft);
+    EXPECT_LT(high, standard);
+}
+
+TEST(Fast, ATimeLimitLeavesAValidResultAndIsReported) {
+    PreparedMesh prepared(displaced_sphere(4), 2);
+    for (double limit : {1e-9, 1e-3, 5e-3, 2e-2}) {
+        SegmentOptions options = fast_options(150, Effort::high);
+        options.time_limit_seconds = limit;
+        const Segmentation result = segment(prepared, options);
+        EXPECT_TRUE(result.measures.is_valid()) << limit;
+        EXPECT_TRUE(result.time_limit_hit) << limit;
+    }
+    EXPECT_FALSE(segment(prepared, fast_options(150, Effort::draft)).time_limit_hit);
+}
+
+TEST(Fast, CancelAtAnyCallLeavesThePreparedMeshUsable) {
+    const TriangleMesh mesh = displaced_sphere(3);
+    PreparedMesh prepared(mesh, 2);
+    const SegmentOptions options = fast_options(40, Effort::draft);
+    const std::vector<int> labels = segment(prepared, options).labels;
+    int calls = 0;
+    double last = 0.0;
+    segment(prepared, options, [&](double fraction, const char*) {
+        EXPECT_GE(fraction, last);
+        EXPECT_LE(fraction, 1.0);
+        last = fraction;
+        ++calls;
+        return true;
+    });
+    EXPECT_EQ(last, 1.0);
+    ASSERT_GT(calls, 10);
+    for (int stop = 1; stop <= calls; stop += 3) {
+        PreparedMesh fresh(mesh, 2);
+        int left = stop;
+        EXPECT_THROW(segment(fresh, options, [&](double, const char*) { return --left > 0; }),
+                     Cancelled);
+        EXPECT_EQ(segment(fresh, options).labels, labels);
+    }
+}
+
+TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
+    PreparedMesh prepared(displaced_sphere(4), 1);
+    SegmentOptions options = fast_options(50);
+    const Segmentation whole = segment(prepared, options);
+    EXPECT_EQ(whole.seconds_by_iteration.size(),
+              static_cast<std::size_t>(whole.cohesion_iterations + whole.refinement_iterations));
+    EXPECT_EQ(whole.boundary_edges_by_iteration.size(), whole.seconds_by_iteration.size());
+    EXPECT_EQ(whole.energy_by_iteration.size(), whole.seconds_by_iteration.size());
+    EXPECT_EQ(whole.boundary_edges_by_iteration.back(), whole.measures.boundary_edge_count);
+    options.max_cohesion_iterations = 3;
+    options.max_refinement_iterations = 5;
+    const Segmentation cut = segment(prepared, options);
+    EXPECT_EQ(cut.cohesion_iterations, 3);
+    EXPECT_EQ(cut.refinement_iterations, 5);
+    EXPECT_TRUE(cut.measures.is_valid());
+}
+
+} // namespace
+} // namespace spheroseg

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "bisection.h"
+#include "measures.h"
+#include "multilevel.h"
+#include "repair.h"
+
+#include "test_meshes.h"
+
+namespace spheroseg::test {
+
+/// A mesh with its dual graph, hierarchy and levels.
+struct Levels {
+    explicit Levels(TriangleMesh from)
+        : mesh(std::move(from)), graph(build_dual_graph(mesh)),
+          hierarchy(build_hierarchy(mesh, graph, 1)), multilevel(hierarchy, mesh.face_count()) {}
+
+    TriangleMesh mesh;
+    DualGraph graph;
+    CollapseHierarchy hierarchy;
+    Multilevel multilevel;
+};
+
+/// The finest level parted by bisection and then ragged by random moves that are allowed.
+inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);
+    bisect(patchwork, submesh_count, seed, 1);
+    repair(patchwork);
+    Random random(seed);
+    for (int i = 0; i < 20 * patchwork.face_count(); ++i) {
+        const auto face = static_cast<int>(random.below(patchwork.face_count()));
+        const auto corner = static_cast<int>(random.below(3));
+        Move move;
+        if (describe_single(patchwork, face, corner, move) &&
+            single_is_allowed(patchwork, face, corner, move)) {
+            apply(patchwork, move);
+        }
+    }
+    return patchwork;
+}
+
+inline Measures measures_of(const Levels& levels, const Patchwork& patchwork) {
+    return measure(
+        levels.mesh, levels.graph, levels.multilevel.labels(patchwork), patchwork.submesh_count());
+}
+
+/// Every sub-mesh has a face, is connected and has no bowtie; it need not be balanced.
+inline bool is_sound(const Measures& measures) {
+    return measures.min_submesh_triangles >= 1 && measures.disconnected_submesh_count == 0 &&
+        measures.bowtie_count == 0;
+}
+
+/// The mesh that a patchwork is, as arrays of its own, and its labels measured.
+inline Measures measures_of_level(const Patchwork& patchwork, int vertex_count) {
+    TriangleMesh mesh;
+    mesh.positions.resize(vertex_count);
+    std::vector<int> labels;
+    for (const Cell& cell : patchwork.cells) {
+        mesh.faces.push_back({cell.vertex[0], cell.vertex[1], cell.vertex[2]});
+        labels.push_back(cell.label);
+    }
+    return measure(mesh, build_dual_graph(mesh), labels, patchwork.submesh_count());
+}
+
+} // namespace spheroseg::test

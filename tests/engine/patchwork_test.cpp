@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "patchwork.h"
+
+#include "anneal.h"
+#include "balance.h"
+#include "bisection.h"
+#include "patchwork_meshes.h"
+#include "relaxation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+/// Soundness and boundary edges after a move, by relabelling a copy and measuring it anew.
+Measures after(const Levels& levels, Patchwork patchwork, const Move& move) {
+    apply(patchwork, move);
+    return measures_of(levels, patchwork);
+}
+
+TEST(Patchwork, SingleMovesAreAllowedExactlyWhenBothSubmeshesStaySound) {
+    int allowed_count = 0;
+    int refused_count = 0;
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        const Levels levels(flipped_sphere(2, 60, seed));
+        const Patchwork patchwork = ragged_patchwork(levels, 12, seed);
+        const Measures before = measures_of(levels, patchwork);
+        ASSERT_TRUE(is_sound(before));
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            for (int c = 0; c < 3; ++c) {
+                Move move;
+                if (!describe_single(patchwork, f, c, move)) {
+                    continue;
+                }
+                const bool allowed = single_is_allowed(patchwork, f, c, move);
+                const Measures moved = after(levels, patchwork, move);
+                EXPECT_EQ(moved.boundary_edge_count - before.boundary_edge_count,
+                          move.boundary_change);
+                if (allowed) {
+                    EXPECT_TRUE(is_sound(moved)) << "face " << f << " corner " << c;
+                } else {
+                    EXPECT_FALSE(is_sound(moved)) << "face " << f << " corner " << c;
+                }
+                (allowed ? allowed_count : refused_count)++;
+            }
+        }
+    }
+    EXPECT_GT(allowed_count, 100);
+    EXPECT_GT(refused_count, 100);
+}
+
+TEST(Patchwork, FanMovesThatAreAllowedKeepBothSubmeshesSound) {
+    int allowed_count = 0;
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        const Levels levels(flipped_sphere(2, 60, seed));
+        const Patchwork patchwork = ragged_patchwork(levels, 12, seed + 10);
+        const Measures before = measures_of(levels, patchwork);
+        ASSERT_TRUE(is_sound(before));
+        for (int i = 0; i < 6 * patchwork.face_count(); ++i) {
+            Fan fan;
+            if (!describe_fan(patchwork, i / 6, i % 3, (i / 3) % 2 != 0, fan)) {
+                continue;
+            }
+            const Measures moved = after(levels, patchwork, fan.move);
+            EXPECT_EQ(moved.boundary_edge_count - before.boundary_edge_count,
+                      fan.move.boundary_change);
+            if (fan_is_allowed(patchwork, fan)) {
+                EXPECT_TRUE(is_sound(moved)) << "face " << i / 6 << " way " << i % 6;
+                ++allowed_count;
+            }
+        }
+    }
+    EXPECT_GT(allowed_count, 200);
+}
+
+TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
+    const Levels levels(displaced_sphere(4));
+    Patchwork patchwork = levels.multilevel.coarsen(300, 9);
+    bisect(patchwork, 9, 0, 2);
+    ASSERT_EQ(repair(patchwork), 0);
+    const std::vector<int> loads = patchwork.load;
+    while (true) {
+        int weight = 0;
+        std::vector<int> recount(9, 0);
+        for (const Cell& cell : patchwork.cells) {
+            EXPECT_GE(cell.weight, 1);
+            weight += cell.weight;
+            recount[cell.label] += cell.weight;
+        }
+        EXPECT_EQ(weight, levels.mesh.face_count());
+        EXPECT_EQ(recount, loads);
+        EXPECT_EQ(patchwork.load, loads);
+        EXPECT_TRUE(is_sound(measures_of_level(patchwork, levels.mesh.vertex_count())));
+        if (patchwork.face_count() == levels.mesh.face_count()) {
+            break;
+        }
+        levels.multilevel.uncoarsen(patchwork, patchwork.face_count() + 1);
+    }
+}
+
+TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
+    const Levels levels(limbed_figure(3));
+    const Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 1);
+    std::vector<int> identity(levels.mesh.face_count());
+    std::iota(identity.begin(), identity.end(), 0);
+    // Labels carry the number of the face through the renumbering.
+    Patchwork numbered = patchwork;
+    numbered.load.assign(identity.size(), 0);
+    levels.multilevel.set_labels(numbered, identity);
+    EXPECT_EQ(levels.multilevel.labels(numbered), identity);
+    for (const Cell& cell : numbered.cells) {
+        const Triangle& triangle = levels.mesh.faces[cell.label];
+        const int turn = corner_of(cell, triangle[0]);
+        for (int c = 0; c < 3; ++c) {
+            const int corner = (turn + c) % 3;
+            EXPECT_EQ(cell.vertex[corner], triangle[c]);
+            EXPECT_EQ(numbered.cells[cell.neighbor[corner]].label,
+                      levels.graph.neighbors[cell.label][c]);
+        }
+    }
+}
+
+std::vector<int> random_labels(int face_count, int submesh_count) {
+    Random random(3);
+    std::vector<int> labels(face_count);
+    for (int& label : labels) {
+        label = static_cast<int>(random.below(submesh_count));
+    }
+    return labels;
+}
+
+TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        const Levels levels(mesh);
+        for (int k : {2, 5, mesh.face_count() / 4}) {
+            if (k < 2 || 4 * k > mesh.face_count()) {
+                continue;
+            }
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            // All sub-meshes but one are empty.
+            levels.multilevel.set_labels(patchwork, std::vector<int>(mesh.face_count(), 0));
+            EXPECT_EQ(repair(patchwork), 0) << name << " k " << k;
+            EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << name << " k " << k;
+            Patchwork ragged = levels.multilevel.coarsen(mesh.face_count(), k);
+            levels.multilevel.set_labels(ragged, random_labels(mesh.face_count(), k));
+            const int forced = repair(ragged);
+            const Measures measures = measures_of(levels, ragged);
+            EXPECT_GE(measures.min_submesh_triangles, 1) << name << " k " << k;
+            EXPECT_EQ(is_sound(measures), forced == 0) << name << " k " << k;
+        }
+    }
+}
+
+TEST(Balance, EverySubmeshHoldsFloorOrCeilingFacesOrItSaysSo) {
+    const Levels levels(displaced_sphere(3));
+    for (int k : {2, 7, 31, 200}) {
+        // Many small sub-meshes may get stuck without annealing; they stay sound all the same.
+        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
+        bisect(patchwork, k, 1, 1);
+        repair(patchwork);
+        const bool balanced = balance_exactly(patchwork);
+        EXPECT_TRUE(balanced || k == 200) << k;
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k;
+        EXPECT_EQ(measures_of(levels, patchwork).is_valid(), balanced) << k;
+    }
+}
+
+AnnealSchedule schedule_of(double proposals, int thread_count) {
+    AnnealSchedule schedule;
+    schedule.proposals_per_face = proposals;
+    schedule.phase_count = 8;
+    schedule.thread_count = thread_count;
+    schedule.seed = 5;
+    return schedule;
+}
+
+TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
+    const Levels levels(limbed_figure(4));
+    constexpr int kSubmeshes = 120;
+    std::vector<int> reference;
+    for (int threads : {1, 2, 3, 1}) {
+        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), kSubmeshes);
+        bisect(patchwork, kSubmeshes, 0, threads);
+        repair(patchwork);
+        const int before = measures_of(levels, patchwork).boundary_edge_count;
+        std::vector<double> edges;
+        std::vector<double> seconds;
+        AnnealControl control;
+        control.boundary_edges = &edges;
+        control.seconds = &seconds;
+        anneal(patchwork, schedule_of(60, threads), control);
+        const Measures annealed = measures_of(levels, patchwork);
+        EXPECT_TRUE(is_sound(annealed));
+        EXPECT_LT(annealed.boundary_edge_count, before);
+        ASSERT_EQ(edges.size(), 8u);
+        EXPECT_EQ(edges.back(), annealed.boundary_edge_count);
+
+        ASSERT_TRUE(balance_exactly(patchwork));
+        const int balanced = measures_of(levels, patchwork).boundary_edge_count;
+        anneal_balanced(patchwork, schedule_of(40, threads), control);
+        const Measures exchanged = measures_of(levels, patchwork);
+        EXPECT_TRUE(exchanged.is_valid());
+        EXPECT_LT(exchanged.boundary_edge_count, balanced);
+        EXPECT_EQ(edges.back(), exchanged.boundary_edge_count);
+        for (int l = 0; l < kSubmeshes; ++l) {
+            EXPECT_EQ(patchwork.load[l], exchanged.submesh_triangles[l]);
+        }
+
+        const std::vector<int> labels = levels.multilevel.labels(patchwork);
+        if (reference.empty()) {
+            reference = labels;
+        }
+        EXPECT_EQ(labels, reference) << threads << " threads";
+    }
+}
+
+TEST(Relaxation, EvensLoadsAndShortensTheBoundary) {
+    const Levels levels(displaced_sphere(4));
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
+    bisect(patchwork, 40, 0, 1);
+    const int before = measures_of(levels, patchwork).boundary_edge_count;
+    relax(patchwork, 30, {});
+    const Measures relaxed = measures_of(levels, patchwork);
+    EXPECT_LT(relaxed.boundary_edge_count, 0.85 * before);
+    EXPECT_GE(relaxed.min_submesh_triangles, 1);
+    EXPECT_LT(relaxed.max_submesh_triangles, 2 * levels.mesh.face_count() / 40);
+}
+
+TEST(SortByLabel, IsAPermutationThatKeepsTheAdjacency) {
+    const Levels levels(displaced_sphere(3));
+    Patchwork patchwork = ragged_patchwork(levels, 9, 1);
+    SortedPatchwork sorted = sort_by_label(patchwork, 2);
+    EXPECT_TRUE(std::is_sorted(sorted.patchwork.cells.begin(),
+                               sorted.patchwork.cells.end(),
+                               [](const Cell& a, const Cell& b) { return a.label < b.label; }));
+    for (int i = 0; i < patchwork.face_count(); ++i) {
+        const Cell& original = patchwork.cells[sorted.order[i]];
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_EQ(sorted.order[sorted.patchwork.cells[i].neighbor[c]], original.neighbor[c]);
+            EXPECT_EQ(sorted.patchwork.cells[i].vertex[c], original.vertex[c]);
+        }
+    }
+    const std::vector<int> labels = labels_of(patchwork);
+    take_labels(patchwork, sorted);
+    EXPECT_EQ(labels_of(patchwork), labels);
+}
+
+} // namespace
+} // namespace spheroseg
