@@ -90,8 +90,11 @@ int requested_submesh_count(const SegmentOptions& options, int face_count);
 void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 
 /// Cuts the mesh into k sub-meshes whose triangle counts differ by at most one.
-/// `all_pairs`: the paper word for word. Throws InvalidInput, InvalidOptions, Cancelled,
-/// DeviceError; the prepared mesh stays usable after any of them.
+/// `fast`: each is also one edge-connected piece without bowties; if that could not be reached, the
+/// measures say so. Depends on connectivity, options and seed, never on coordinates or threads.
+/// `all_pairs`: the paper word for word; pieces and bowties may remain.
+/// Throws InvalidInput, InvalidOptions, Cancelled, DeviceError; the prepared mesh stays usable
+/// after any of them.
 Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress = {});
 
