@@ -143,7 +143,7 @@ private:
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
             in_label_order(patchwork,
-                           [&](Patchwork& level) { relax(level, relaxations, cohesion); });
+                           [&](Patchwork& level) { relax(level, relaxations, options_.thread_count, cohesion); });
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);
         }

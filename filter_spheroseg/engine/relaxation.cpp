@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "relaxation.h"
 
+#include "threads.h"
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <exception>
 
 namespace spheroseg {
 
@@ -10,12 +15,31 @@ namespace {
 
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
+/// Less work than that is not worth another thread.
+constexpr int kFacesPerThread = 8192;
+
+/// Where a wave reached a face: distance, then the sub-mesh that it came from. The order of the
+/// keys decides between two waves, never the order of arrival.
+using Key = std::uint64_t;
+constexpr Key kUnreached = ~Key{0};
+constexpr Key make_key(int distance, int label) {
+    return static_cast<Key>(distance) << 32 | static_cast<Key>(label);
+}
+constexpr int distance_of(Key key) {
+    return static_cast<int>(key >> 32);
+}
+constexpr int label_of(Key key) {
+    return static_cast<int>(key & 0xFFFFFFFF);
+}
 
 class Relaxation {
 public:
-    explicit Relaxation(Patchwork& patchwork)
-        : patchwork_(patchwork), centers_(patchwork.submesh_count()),
-          offsets_(patchwork.submesh_count(), 0.0), distance_(patchwork.cells.size()) {
+    Relaxation(Patchwork& patchwork, int thread_count)
+        : patchwork_(patchwork),
+          workers_(std::clamp(
+              patchwork.face_count() / kFacesPerThread, 1, resolve_thread_count(thread_count))),
+          centers_(patchwork.submesh_count()), offsets_(patchwork.submesh_count(), 0.0),
+          inside_(patchwork.cells.size()), keys_(patchwork.cells.size()) {
         double total = 0.0;
         for (int load : patchwork.load) {
             total += load;
@@ -24,6 +48,10 @@ public:
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
             std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
+        for (Worker& worker : workers_) {
+            worker.boundary.resize(workers_.size());
+            worker.load.resize(patchwork.submesh_count());
+        }
     }
 
     void run(int iterations, const AnnealControl& control) {
@@ -33,89 +61,66 @@ public:
             }
             report_progress(control.progress, static_cast<double>(i) / iterations, "Relaxation");
             const Deadline watch;
-            const std::int64_t boundary_edges = find_centers();
+            iterate();
             if (control.boundary_edges) {
-                control.boundary_edges->push_back(static_cast<double>(boundary_edges));
-            }
-            grow();
-            if (control.seconds) {
+                std::int64_t sides = 0;
+                for (const Worker& worker : workers_) {
+                    sides += worker.sides;
+                }
+                control.boundary_edges->push_back(static_cast<double>(sides / 2));
                 control.seconds->push_back(watch.elapsed_seconds());
             }
         }
     }
 
 private:
-    /// Finds the face of each sub-mesh that is farthest from its boundary; returns the number of
-    /// boundary edges.
-    std::int64_t find_centers() {
+    /// What belongs to one thread: a range of faces for what is done face by face, a range of
+    /// labels for the waves.
+    struct Worker {
+        /// Boundary faces of its range of faces, by the worker that has their label.
+        std::vector<std::vector<int>> boundary;
+        std::vector<int> queue;
+        /// Faces to spread from, by distance.
+        std::vector<std::vector<int>> buckets;
+        std::vector<int> load;
         std::int64_t sides = 0;
-        queue_.clear();
-        const int face_count = patchwork_.face_count();
-        for (int f = 0; f < face_count; ++f) {
-            const Cell& cell = patchwork_.cells[f];
-            distance_[f] = -1;
-            centers_[cell.label] = f;
-            int differing = 0;
-            for (int neighbor : cell.neighbor) {
-                differing += neighbor >= 0 && patchwork_.cells[neighbor].label != cell.label;
-            }
-            if (differing > 0) {
-                distance_[f] = 0;
-                queue_.push_back(f);
-                sides += differing;
-            }
-        }
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            const Cell& cell = patchwork_.cells[queue_[head]];
-            centers_[cell.label] = queue_[head];
-            for (int neighbor : cell.neighbor) {
-                if (neighbor >= 0 && distance_[neighbor] < 0) {
-                    distance_[neighbor] = 0;
-                    queue_.push_back(neighbor);
-                }
-            }
-        }
-        return sides / 2;
-    }
+    };
 
-    /// Multi-source shortest paths with a bucket queue (Dial, 1969).
-    void grow() {
-        std::vector<Cell>& cells = patchwork_.cells;
+    void iterate() {
+        const int worker_count = static_cast<int>(workers_.size());
         const double least = *std::min_element(offsets_.begin(), offsets_.end());
-        constexpr int kFar = 1 << 30;
-        std::fill(distance_.begin(), distance_.end(), kFar);
-        for (std::vector<int>& bucket : buckets_) {
-            bucket.clear();
-        }
-        const auto put = [&](int face, int label, int distance) {
-            distance_[face] = distance;
-            cells[face].label = label;
-            if (distance >= static_cast<int>(buckets_.size())) {
-                buckets_.resize(distance + 1);
+        std::exception_ptr failure;
+        const auto guarded = [&](auto&& work) {
+            try {
+                work();
+            } catch (...) {
+#pragma omp critical(spheroseg_relaxation_failure)
+                failure = std::current_exception();
             }
-            buckets_[distance].push_back(face);
         };
-        for (std::size_t l = 0; l < centers_.size(); ++l) {
-            put(centers_[l], static_cast<int>(l), static_cast<int>(offsets_[l] - least));
+#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
+        for (int w = 0; w < worker_count; ++w) {
+            guarded([&] { list_boundary(workers_[w], w); });
         }
-        // A centre stays with its sub-mesh even if another one would reach it earlier.
+#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
+        for (int w = 0; w < worker_count; ++w) {
+            guarded([&] { find_centers(workers_[w], w); });
+        }
+#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
+        for (int w = 0; w < worker_count; ++w) {
+            guarded([&] { grow(workers_[w], w, least); });
+        }
+#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
+        for (int w = 0; w < worker_count; ++w) {
+            take_labels(workers_[w], w);
+        }
+        if (failure) {
+            std::rethrow_exception(failure);
+        }
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        for (std::size_t d = 0; d < buckets_.size(); ++d) {
-            for (std::size_t i = 0; i < buckets_[d].size(); ++i) {
-                const int face = buckets_[d][i];
-                if (distance_[face] != static_cast<int>(d)) {
-                    continue;
-                }
-                distance_[face] = -1 - distance_[face];
-                const int label = cells[face].label;
-                patchwork_.load[label] += cells[face].weight;
-                const int next = static_cast<int>(d) + kStep;
-                for (int neighbor : cells[face].neighbor) {
-                    if (neighbor >= 0 && distance_[neighbor] > next &&
-                        centers_[cells[neighbor].label] != neighbor) {
-                        put(neighbor, label, next);
-                    }
-                }
+        for (const Worker& worker : workers_) {
+            for (std::size_t l = 0; l < offsets_.size(); ++l) {
+                patchwork_.load[l] += worker.load[l];
             }
         }
         for (std::size_t l = 0; l < offsets_.size(); ++l) {
@@ -123,20 +128,152 @@ private:
         }
     }
 
+    int begin_of(int worker, int count) const {
+        return static_cast<int>(static_cast<std::int64_t>(count) * worker /
+                                static_cast<int>(workers_.size()));
+    }
+
+    int worker_of_label(int label) const {
+        const auto worker_count = static_cast<int>(workers_.size());
+        return static_cast<int>(
+            (static_cast<std::int64_t>(label) * worker_count + worker_count - 1) /
+            patchwork_.submesh_count());
+    }
+
+    void list_boundary(Worker& worker, int w) {
+        worker.sides = 0;
+        for (std::vector<int>& faces : worker.boundary) {
+            faces.clear();
+        }
+        const int end = begin_of(w + 1, patchwork_.face_count());
+        for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
+            const Cell& cell = patchwork_.cells[f];
+            int differing = 0;
+            for (int neighbor : cell.neighbor) {
+                differing += neighbor >= 0 && patchwork_.cells[neighbor].label != cell.label;
+            }
+            inside_[f] = differing == 0;
+            keys_[f].store(kUnreached, std::memory_order_relaxed);
+            if (differing > 0) {
+                worker.boundary[worker_of_label(cell.label)].push_back(f);
+                worker.sides += differing;
+            }
+        }
+    }
+
+    /// Finds the face of each sub-mesh that is farthest from its boundary: the last one that is
+    /// reached breadth first.
+    void find_centers(Worker& worker, int w) {
+        const int first = begin_of(w, patchwork_.submesh_count());
+        const int end = begin_of(w + 1, patchwork_.submesh_count());
+        std::fill(centers_.begin() + first, centers_.begin() + end, -1);
+        std::vector<int>& queue = worker.queue;
+        queue.clear();
+        for (const Worker& lister : workers_) {
+            queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
+        }
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const Cell& cell = patchwork_.cells[queue[head]];
+            centers_[cell.label] = queue[head];
+            for (int neighbor : cell.neighbor) {
+                if (neighbor >= 0 && inside_[neighbor]) {
+                    inside_[neighbor] = 0;
+                    queue.push_back(neighbor);
+                }
+            }
+        }
+        // A centre stays with its sub-mesh even if another one would reach it earlier: nothing is
+        // nearer than a distance of 0, and all others are greater.
+        for (int l = first; l < end; ++l) {
+            if (centers_[l] >= 0) {
+                keys_[centers_[l]].store(make_key(0, l), std::memory_order_relaxed);
+            }
+        }
+    }
+
+    /// Multi-source shortest paths with a bucket queue (Dial, 1969). Each worker spreads what its
+    /// own waves reached; the result is the one fixed point, whoever comes first.
+    void grow(Worker& worker, int w, double least) {
+        for (std::vector<int>& bucket : worker.buckets) {
+            bucket.clear();
+        }
+        const auto put = [&](int face, int distance) {
+            if (distance >= static_cast<int>(worker.buckets.size())) {
+                worker.buckets.resize(distance + 1);
+            }
+            worker.buckets[distance].push_back(face);
+        };
+        const int end = begin_of(w + 1, patchwork_.submesh_count());
+        for (int l = begin_of(w, patchwork_.submesh_count()); l < end; ++l) {
+            if (centers_[l] >= 0) {
+                put(centers_[l], static_cast<int>(offsets_[l] - least));
+            }
+        }
+        for (std::size_t d = 0; d < worker.buckets.size(); ++d) {
+            for (std::size_t i = 0; i < worker.buckets[d].size(); ++i) {
+                const int face = worker.buckets[d][i];
+                const Key key = keys_[face].load(std::memory_order_relaxed);
+                const bool is_center = distance_of(key) == 0;
+                if (!is_center && distance_of(key) != static_cast<int>(d)) {
+                    continue;
+                }
+                const Key reached = make_key(static_cast<int>(d) + kStep, label_of(key));
+                for (int neighbor : patchwork_.cells[face].neighbor) {
+                    if (neighbor >= 0 && lower(keys_[neighbor], reached)) {
+                        put(neighbor, static_cast<int>(d) + kStep);
+                    }
+                }
+            }
+        }
+    }
+
+    bool lower(std::atomic<Key>& key, Key to) const {
+        Key current = key.load(std::memory_order_relaxed);
+        if (workers_.size() == 1) {
+            if (to < current) {
+                key.store(to, std::memory_order_relaxed);
+                return true;
+            }
+            return false;
+        }
+        while (to < current) {
+            if (key.compare_exchange_weak(current, to, std::memory_order_relaxed)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    void take_labels(Worker& worker, int w) {
+        std::fill(worker.load.begin(), worker.load.end(), 0);
+        const int end = begin_of(w + 1, patchwork_.face_count());
+        for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
+            Cell& cell = patchwork_.cells[f];
+            const Key key = keys_[f].load(std::memory_order_relaxed);
+            if (key != kUnreached) {
+                cell.label = label_of(key);
+            }
+            worker.load[cell.label] += cell.weight;
+        }
+    }
+
     Patchwork& patchwork_;
+    std::vector<Worker> workers_;
     std::vector<int> centers_;
     std::vector<double> offsets_;
-    std::vector<int> distance_;
-    std::vector<int> queue_;
-    std::vector<std::vector<int>> buckets_;
+    /// Not reached yet from the boundary.
+    std::vector<std::uint8_t> inside_;
+    std::vector<std::atomic<Key>> keys_;
     double mean_load_ = 0.0;
     double radius_ = 0.0;
 };
 
 } // namespace
 
-void relax(Patchwork& patchwork, int iterations, const AnnealControl& control) {
-    Relaxation(patchwork).run(iterations, control);
+void relax(Patchwork& patchwork, int iterations, int thread_count, const AnnealControl& control) {
+    if (patchwork.submesh_count() > 1) {
+        Relaxation(patchwork, thread_count).run(iterations, control);
+    }
 }
 
 } // namespace spheroseg

@@ -9,8 +9,8 @@ namespace spheroseg {
 /// sub-mesh is replaced by the faces nearest to its deepest face, counted in steps between
 /// neighbours plus an offset that grows while the sub-mesh is too heavy. Rounds the sub-meshes and
 /// evens out their loads; every sub-mesh keeps at least its centre and stays edge-connected.
-/// O(iterations * F); serial and deterministic. Throws Cancelled.
+/// O(iterations * F); parallel, the same for any number of threads. Throws Cancelled.
 /// Of `control` the phases are the iterations; boundary edges are those before each.
-void relax(Patchwork& patchwork, int iterations, const AnnealControl& control);
+void relax(Patchwork& patchwork, int iterations, int thread_count, const AnnealControl& control);
 
 } // namespace spheroseg
