@@ -36,8 +36,8 @@ public:
 private:
     double cost(const Move& move) const {
         // Change of the sum of squared loads of the two sub-meshes.
-        const double change = 2.0 * move.weight *
-            (patchwork_.load[move.to] - patchwork_.load[move.from] + move.weight);
+        const double change =
+            2.0 * move.weight * (source_.load(move.to) - source_.load(move.from) + move.weight);
         return move.boundary_change + balance_weight_ * change;
     }
 
@@ -59,7 +59,7 @@ private:
     }
 
     void accept(const Move& move) {
-        apply(patchwork_, move);
+        source_.apply(move);
         source_.list(move);
         change_ += move.boundary_change;
     }

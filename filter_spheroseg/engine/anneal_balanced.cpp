@@ -28,10 +28,10 @@ public:
                    std::vector<std::vector<int>>& faces_of_label)
         : patchwork_(patchwork), balance_(balance), faces_of_label_(faces_of_label),
           source_(patchwork, boundary, grouping, group, phase) {
-        for (int f : grouping.faces(group)) {
+        for (int f : source_.faces()) {
             faces_of_label_[patchwork_.label(f)].clear();
         }
-        for (int f : grouping.faces(group)) {
+        for (int f : source_.faces()) {
             faces_of_label_[patchwork_.label(f)].push_back(f);
         }
     }
@@ -66,19 +66,15 @@ private:
 
     void try_move(const ProposalSource::Proposal& proposal, const Fan& fan) {
         const Move& move = fan.move;
-        const bool alone = in_balance(patchwork_.load[move.from] - move.weight,
-                                      patchwork_.load[move.to] + move.weight);
+        const bool alone =
+            in_balance(source_.load(move.from) - move.weight, source_.load(move.to) + move.weight);
         if (move.boundary_change > proposal.allowance + (alone ? 0 : kBestPartner) ||
             !is_allowed(proposal.face, proposal.corner, proposal.as_fan, fan)) {
             return;
         }
-        apply(patchwork_, move);
+        source_.apply(move);
         if (!alone && !exchange_back(move, proposal.allowance - move.boundary_change)) {
-            for (int i = 0; i < move.face_count; ++i) {
-                patchwork_.set_label(move.faces[i], move.from);
-            }
-            patchwork_.load[move.from] += move.weight;
-            patchwork_.load[move.to] -= move.weight;
+            source_.undo(move);
             return;
         }
         list(move);
@@ -109,10 +105,10 @@ private:
             Fan fan;
             if (describe(face, corner, as_fan, (bits >> 1) & 1, fan) && fan.move.to == first.from &&
                 fan.move.boundary_change <= allowance &&
-                in_balance(patchwork_.load[fan.move.from] - fan.move.weight,
-                           patchwork_.load[fan.move.to] + fan.move.weight) &&
+                in_balance(source_.load(fan.move.from) - fan.move.weight,
+                           source_.load(fan.move.to) + fan.move.weight) &&
                 is_allowed(face, corner, as_fan, fan)) {
-                apply(patchwork_, fan.move);
+                source_.apply(fan.move);
                 list(fan.move);
                 return true;
             }

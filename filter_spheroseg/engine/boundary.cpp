@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace spheroseg {
 
@@ -14,6 +15,10 @@ namespace {
 constexpr int kMinLabelsPerGroup = 24;
 constexpr int kMaxLabelsPerGroup = 96;
 constexpr int kWantedGroups = 32;
+/// No two groups' loads share a cache line.
+constexpr int kLoadsPerLine = 16;
+/// Which sub-meshes are neighbours changes little from phase to phase.
+constexpr int kPhasesPerGraph = 4;
 
 bool touches_other_label(const Patchwork& patchwork, int face) {
     const Cell& cell = patchwork.cells[face];
@@ -95,7 +100,9 @@ void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std:
     group_of_label_.assign(submesh_count, wanted == 1 ? 0 : -1);
     int group_count = wanted;
     if (wanted > 1) {
-        const SubmeshGraph graph = build_submesh_graph(patchwork, boundary.faces());
+        if (phase_++ % kPhasesPerGraph == 0) {
+            graph_ = build_submesh_graph(patchwork, boundary.faces());
+        }
         Random random(seed, 0x67726f7570ULL);
         std::vector<int> queue;
         queue.reserve(submesh_count);
@@ -109,8 +116,8 @@ void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std:
         for (int next_unseen = 0; next_unseen < submesh_count; ++next_unseen) {
             for (std::size_t head = 0; head < queue.size(); ++head) {
                 const int label = queue[head];
-                for (int i = graph.begin[label]; i < graph.begin[label + 1]; ++i) {
-                    const int other = graph.neighbors[i];
+                for (int i = graph_.begin[label]; i < graph_.begin[label + 1]; ++i) {
+                    const int other = graph_.neighbors[i];
                     if (group_of_label_[other] < 0) {
                         group_of_label_[other] = group_of_label_[label];
                         queue.push_back(other);
@@ -125,6 +132,7 @@ void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std:
             }
         }
     }
+    place_loads(patchwork, group_count);
     faces_.assign(group_count, {});
     idle_faces_.clear();
     for (int f : boundary.faces()) {
@@ -147,7 +155,36 @@ void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std:
     }
 }
 
-void Grouping::collect(BoundaryFaces& boundary) {
+void Grouping::place_loads(const Patchwork& patchwork, int group_count) {
+    std::vector<int> next(group_count + 1, 0);
+    for (int group : group_of_label_) {
+        ++next[group + 1];
+    }
+    for (int g = 0; g < group_count; ++g) {
+        const int used = (next[g + 1] + kLoadsPerLine - 1) / kLoadsPerLine * kLoadsPerLine;
+        next[g + 1] = next[g] + used + kLoadsPerLine;
+    }
+    loads_.assign(next[group_count], 0);
+    slot_of_label_.resize(group_of_label_.size());
+    for (std::size_t l = 0; l < group_of_label_.size(); ++l) {
+        slot_of_label_[l] = next[group_of_label_[l]]++;
+        loads_[slot_of_label_[l]] = patchwork.load[l];
+    }
+}
+
+std::vector<int> Grouping::largest_first() const {
+    std::vector<int> groups(faces_.size());
+    std::iota(groups.begin(), groups.end(), 0);
+    std::stable_sort(groups.begin(), groups.end(), [this](int a, int b) {
+        return faces_[a].size() > faces_[b].size();
+    });
+    return groups;
+}
+
+void Grouping::collect(Patchwork& patchwork, BoundaryFaces& boundary) {
+    for (std::size_t l = 0; l < slot_of_label_.size(); ++l) {
+        patchwork.load[l] = loads_[slot_of_label_[l]];
+    }
     boundary.faces() = idle_faces_;
     for (const std::vector<int>& faces : faces_) {
         boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());

@@ -54,11 +54,24 @@ public:
     const std::vector<int>& group_of_label() const { return group_of_label_; }
     /// The listed faces whose label is in the group and that touch another label of it.
     std::vector<int>& faces(int group) { return faces_[group]; }
-    /// Gives the faces back.
-    void collect(BoundaryFaces& boundary);
+    /// The groups, those with the most faces first: the order in which threads should take them.
+    std::vector<int> largest_first() const;
+    /// The load of a label while its group is worked on.
+    int load(int label) const { return loads_[slot_of_label_[label]]; }
+    int& load(int label) { return loads_[slot_of_label_[label]]; }
+    /// Gives the faces and the loads back.
+    void collect(Patchwork& patchwork, BoundaryFaces& boundary);
 
 private:
+    void place_loads(const Patchwork& patchwork, int group_count);
+
+    SubmeshGraph graph_;
+    int phase_ = 0;
     std::vector<int> group_of_label_;
+    /// Copies of the loads, those of a group together and far from those of the others, so that
+    /// threads do not write to the same cache lines.
+    std::vector<int> loads_;
+    std::vector<int> slot_of_label_;
     std::vector<std::vector<int>> faces_;
     /// The other listed faces.
     std::vector<int> idle_faces_;

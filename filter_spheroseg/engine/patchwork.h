@@ -46,7 +46,7 @@ constexpr int kNext[3] = {1, 2, 0};
 constexpr int kPrevious[3] = {2, 0, 1};
 
 inline int corner_of(const Cell& cell, int vertex) {
-    return cell.vertex[0] == vertex ? 0 : (cell.vertex[1] == vertex ? 1 : 2);
+    return (cell.vertex[1] == vertex) + 2 * (cell.vertex[2] == vertex);
 }
 
 /// Calls `visit(face)` for the faces around the vertex at `corner` of `face`, without `face`

@@ -16,6 +16,11 @@ namespace spheroseg {
 /// Single moves that cost one edge are not even tried with an allowance below this.
 constexpr double kLikelyCost = 0.5;
 
+/// The corner to draw among the sides (bit c: the one at corner c) that touch another sub-mesh: the
+/// first one from a random corner on.
+constexpr std::int8_t kCornerOfSides[8][3] = {
+    {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, {0, 1, 0}, {2, 2, 2}, {0, 2, 2}, {1, 1, 2}, {0, 1, 2}};
+
 /// The settings of one phase of an annealing.
 struct Phase {
     double temperature;
@@ -34,8 +39,9 @@ public:
                    int group,
                    const Phase& phase)
         : patchwork_(patchwork), boundary_(boundary), group_of_label_(grouping.group_of_label()),
-          group_(group), faces_(grouping.faces(group)), phase_(phase),
-          random_(phase.seed, static_cast<std::uint64_t>(group)) {}
+          group_(group), grouping_(grouping), faces_(std::move(grouping.faces(group))),
+          phase_(phase), random_(phase.seed, static_cast<std::uint64_t>(group)) {}
+    ~ProposalSource() { grouping_.faces(group_) = std::move(faces_); }
 
     struct Proposal {
         int face;
@@ -54,12 +60,15 @@ public:
         const auto index = static_cast<std::size_t>(((bits >> 32) * count) >> 32);
         proposal.face = faces_[index];
         const int label = patchwork_.label(proposal.face);
-        bool differs[3];
-        for (int c = 0; c < 3; ++c) {
-            const int across = patchwork_.label_across(patchwork_.cells[proposal.face], c);
-            differs[c] = across >= 0 && across != label;
-        }
-        if (!differs[0] && !differs[1] && !differs[2]) {
+        const Cell& cell = patchwork_.cells[proposal.face];
+        const int across[3] = {patchwork_.label_across(cell, 0),
+                               patchwork_.label_across(cell, 1),
+                               patchwork_.label_across(cell, 2)};
+        const auto differs = [&](int c) {
+            return static_cast<unsigned>(across[c] >= 0 && across[c] != label);
+        };
+        const unsigned sides = differs(0) | differs(1) << 1 | differs(2) << 2;
+        if (sides == 0) {
             boundary_.unlist(proposal.face);
             faces_[index] = faces_.back();
             faces_.pop_back();
@@ -67,26 +76,29 @@ public:
         }
         proposal.allowance = phase_.temperature * ExponentialQuantiles::get()(bits >> 8);
         proposal.forward = (bits >> 25) & 1;
-        proposal.corner = static_cast<int>((bits & 0xFF) * 3 >> 8);
-        while (!differs[proposal.corner]) {
-            proposal.corner = kNext[proposal.corner];
-        }
-        const int to = patchwork_.label_across(patchwork_.cells[proposal.face], proposal.corner);
+        proposal.corner = kCornerOfSides[sides][(bits & 0xFF) * 3 >> 8];
+        const int to = across[proposal.corner];
         if (group_of_label_[to] != group_) {
             return false;
         }
         // A face that touches its own sub-mesh by two edges adds a boundary edge when it leaves.
-        const bool sits_deep = differs[0] + differs[1] + differs[2] == 1;
+        const bool sits_deep = (sides & (sides - 1)) == 0;
         proposal.as_fan = ((bits >> 24) & 1) || (sits_deep && proposal.allowance < kLikelyCost);
         return true;
     }
 
+    const std::vector<int>& faces() const { return faces_; }
     std::int64_t proposal_count() const {
         return static_cast<std::int64_t>(phase_.proposals_per_face *
                                          static_cast<double>(faces_.size()));
     }
     bool exhausted() const { return faces_.empty(); }
     Random& random() { return random_; }
+
+    int load(int label) const { return grouping_.load(label); }
+
+    void apply(const Move& move) { relabel(move, move.from, move.to); }
+    void undo(const Move& move) { relabel(move, move.to, move.from); }
 
     /// Lists the faces that came to the boundary when a move was made.
     void list(const Move& move) {
@@ -96,11 +108,20 @@ public:
     }
 
 private:
+    void relabel(const Move& move, int from, int to) {
+        for (int i = 0; i < move.face_count; ++i) {
+            patchwork_.set_label(move.faces[i], to);
+        }
+        grouping_.load(from) -= move.weight;
+        grouping_.load(to) += move.weight;
+    }
+
     Patchwork& patchwork_;
     BoundaryFaces& boundary_;
     const std::vector<int>& group_of_label_;
     const int group_;
-    std::vector<int>& faces_;
+    Grouping& grouping_;
+    std::vector<int> faces_;
     const Phase& phase_;
     Random random_;
 };
@@ -138,13 +159,14 @@ void run_phases(Patchwork& patchwork,
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
 
         grouping.regroup(patchwork, boundary, phase.seed);
+        const std::vector<int> groups = grouping.largest_first();
         const int group_count = grouping.group_count();
         std::int64_t change = 0;
         std::exception_ptr failure;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)
-        for (int g = 0; g < group_count; ++g) {
+        for (int i = 0; i < group_count; ++i) {
             try {
-                change += run_group(grouping, boundary, g, phase);
+                change += run_group(grouping, boundary, groups[i], phase);
             } catch (...) {
 #pragma omp critical(spheroseg_phase_failure)
                 failure = std::current_exception();
@@ -153,7 +175,7 @@ void run_phases(Patchwork& patchwork,
         if (failure) {
             std::rethrow_exception(failure);
         }
-        grouping.collect(boundary);
+        grouping.collect(patchwork, boundary);
         edges += change;
         if (control.boundary_edges) {
             control.boundary_edges->push_back(static_cast<double>(edges));
