@@ -91,6 +91,7 @@ public:
             start_progress_ = sub_progress(rising_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             Patchwork patchwork = first_labels(start, wanted_starts);
+            patchwork.may_close_rings = start == 0 || any_valid_;
             refine_levels(patchwork);
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
@@ -103,7 +104,9 @@ public:
                 result_.labels = multilevel_->labels(patchwork);
             }
             any_valid_ = any_valid_ || valid;
-            if (deadline_.expired() || (any_valid_ && start + 1 >= wanted_starts)) {
+            // Even out of time an invalid result is worth another start.
+            const bool enough = any_valid_ && start + 1 >= wanted_starts;
+            if (enough || (deadline_.expired() && (any_valid_ || start > 0))) {
                 break;
             }
         }

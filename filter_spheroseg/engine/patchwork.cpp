@@ -87,10 +87,13 @@ bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
     const int last = move.face_count - 1;
     const auto cell = [&](int i) -> const Cell& { return patchwork.cells[move.faces[i]]; };
     // What is left of `from` must touch the fan in one run of edges, whose inner vertices lie
-    // inside `from`; `to` may touch a vertex of the ring only next to the fan.
+    // inside `from`; `to` may touch a vertex of the ring only next to the fan. Where `to` touches
+    // the fan in two runs it closes to a ring.
     int runs = 0;
     bool previous_from = false;
-    bool previous_to = patchwork.label_across(cell(0), fan.corners[0]) == move.to;
+    const bool begins_at_to = patchwork.label_across(cell(0), fan.corners[0]) == move.to;
+    bool previous_to = begins_at_to;
+    int to_runs = begins_at_to;
     for (int i = 0; i <= last; ++i) {
         const int corner = fan.corners[i];
         const int outside = patchwork.label_across(cell(i), kNext[corner]);
@@ -107,15 +110,19 @@ bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
             !no_label_around(patchwork, move.faces[i], kNext[corner], move.to)) {
             return false;
         }
+        to_runs += touches_to && !previous_to;
         previous_from = touches_from;
         previous_to = touches_to;
     }
     const int end = fan.corners[last];
-    if (!previous_to && patchwork.label_across(cell(last), kPrevious[end]) != move.to &&
+    const bool ends_at_to = patchwork.label_across(cell(last), kPrevious[end]) == move.to;
+    if (!previous_to && !ends_at_to &&
         !no_label_around(patchwork, move.faces[last], kPrevious[end], move.to)) {
         return false;
     }
-    return runs == 1;
+    // All around the centre of the fan, the last run goes over into the first one.
+    to_runs += (ends_at_to && !previous_to) - (ends_at_to && begins_at_to);
+    return runs == 1 && (to_runs == 1 || patchwork.may_close_rings);
 }
 
 void apply(Patchwork& patchwork, const Move& move) {
@@ -151,6 +158,7 @@ SortedPatchwork sort_by_label(const Patchwork& patchwork, int thread_count) {
         sorted.order[place[f]] = f;
     }
     sorted.patchwork.load = patchwork.load;
+    sorted.patchwork.may_close_rings = patchwork.may_close_rings;
     sorted.patchwork.cells.resize(face_count);
     const int threads = resolve_thread_count(thread_count);
 #pragma omp parallel for schedule(static) num_threads(threads)

@@ -27,6 +27,9 @@ struct Cell {
 struct Patchwork {
     std::vector<Cell> cells;
     std::vector<int> load;
+    /// Sub-meshes may close around a limb. That makes short boundaries, but no move opens a ring
+    /// again, so that a mesh with narrow limbs may then not be balanced.
+    bool may_close_rings = true;
 
     int face_count() const { return static_cast<int>(cells.size()); }
     int submesh_count() const { return static_cast<int>(load.size()); }

@@ -36,6 +36,18 @@ TEST(Fast, EveryKOnSmallMeshesIsValid) {
     }
 }
 
+TEST(Fast, EveryKOnNarrowTubesIsValid) {
+    // Three faces around: a sub-mesh that closes to a ring of six can not give a face away.
+    for (int split_count : {7, 11, 16, 23, 40}) {
+        const TriangleMesh mesh = slivers(split_count, true);
+        PreparedMesh prepared(mesh, 1);
+        for (int k = 1; k <= mesh.face_count() / 2; ++k) {
+            EXPECT_TRUE(segment(prepared, fast_options(k, Effort::draft)).measures.is_valid())
+                << mesh.face_count() << " faces, k " << k;
+        }
+    }
+}
+
 TEST(Fast, SweepsOfKOnLargerMeshesAreValid) {
     for (const TriangleMesh& mesh :
          {limbed_figure(3), flipped_sphere(3, 800), displaced_sphere(4)}) {

@@ -219,6 +219,26 @@ TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
     }
 }
 
+TEST(Anneal, ClosesRingsAroundALimbOnlyWhereItMay) {
+    const Levels levels(long_thin_limb(4, 100));
+    constexpr int kSubmeshes = 20;
+    for (bool may_close_rings : {true, false}) {
+        Patchwork patchwork = ragged_patchwork(levels, kSubmeshes, 1);
+        ASSERT_EQ(measures_of(levels, patchwork).disk_count, kSubmeshes);
+        patchwork.may_close_rings = may_close_rings;
+        AnnealSchedule schedule;
+        schedule.proposals_per_face = 200.0;
+        anneal(patchwork, schedule, {});
+        const Measures annealed = measures_of(levels, patchwork);
+        EXPECT_TRUE(is_sound(annealed));
+        if (may_close_rings) {
+            EXPECT_LT(annealed.disk_count, kSubmeshes);
+        } else {
+            EXPECT_EQ(annealed.disk_count, kSubmeshes);
+        }
+    }
+}
+
 TEST(Relaxation, EvensLoadsAndShortensTheBoundary) {
     const Levels levels(displaced_sphere(4));
     Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
