@@ -185,7 +185,7 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
     } catch (const MLException&) {
         throw;
     } catch (const std::bad_alloc&) {
-        throw MLException("There is not enough memory for this mesh; it was not changed.");
+        throw MLException(OutOfMemory().what());
     } catch (const std::exception& error) {
         throw MLException(error.what());
     }

@@ -2,6 +2,7 @@
 #include "all_pairs_refinement.h"
 
 #include "measures.h"
+#include "parallel_failure.h"
 #include "refinement_cost.h"
 #include "round_robin.h"
 #include "threads.h"
@@ -49,6 +50,7 @@ public:
         std::vector<std::vector<FacePair>> decided(threads);
         long long swap_count = 0;
         std::optional<YieldingBarrier> barrier;
+        ParallelFailure failure;
 #pragma omp parallel num_threads(threads)
         {
             const int team = omp_get_num_threads();
@@ -61,14 +63,17 @@ public:
             for (int round = round_begin; round < round_end; ++round) {
                 std::vector<FacePair>& own = decided[member];
                 own.clear();
-                schedule_.for_each_run(
-                    round, slot_begin, slot_end, [&](const PairRun& run) { decide(run, own); });
+                failure.guard([&] {
+                    schedule_.for_each_run(
+                        round, slot_begin, slot_end, [&](const PairRun& run) { decide(run, own); });
+                });
                 barrier->wait();
 #pragma omp master
                 swap_count += commit(decided);
                 barrier->wait();
             }
         }
+        failure.rethrow();
         return swap_count;
     }
 

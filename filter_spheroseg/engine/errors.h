@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <new>
 #include <stdexcept>
 
 namespace spheroseg {
@@ -25,6 +26,14 @@ struct Cancelled : std::runtime_error {
 /// The requested compute device is missing or failed.
 struct DeviceError : std::runtime_error {
     using std::runtime_error::runtime_error;
+};
+
+/// Memory was refused. Says so without allocating.
+struct OutOfMemory : std::bad_alloc {
+    const char* what() const noexcept override {
+        return "There is not enough memory for this mesh; it was not changed. Close other programs "
+               "or layers, simplify the mesh, or use a machine with more memory.";
+    }
 };
 
 } // namespace spheroseg

@@ -3,6 +3,7 @@
 
 #include "errors.h"
 #include "orientation.h"
+#include "parallel_failure.h"
 #include "refining_mesh.h"
 #include "ring_energy.h"
 #include "threads.h"
@@ -104,11 +105,14 @@ bool Mapper::insert_round(int round) {
     const int begin = hierarchy_.round_begin[round];
     const int end = hierarchy_.round_begin[round + 1];
     bool complete = true;
+    ParallelFailure failure;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(threads_)                              \
     if (end - begin > kSerialSize) reduction(&& : complete)
     for (int i = begin; i < end; ++i) {
-        complete = insert_vertex(i, rings_[omp_get_thread_num()]) && complete;
+        failure.guard(
+            [&] { complete = insert_vertex(i, rings_[omp_get_thread_num()]) && complete; });
     }
+    failure.rethrow();
     return complete;
 }
 
@@ -144,15 +148,17 @@ void Mapper::move_vertex(int index, VertexRing& ring) {
 void Mapper::sweep(int count) {
     weights_.target_area = kSphereArea / mesh_.live_face_count();
     gather_rings();
+    ParallelFailure failure;
     for (int s = 0; s < count; ++s) {
         for (int r = mesh_.round(); r < hierarchy_.round_count(); ++r) {
             const int begin = hierarchy_.round_begin[r];
             const int end = hierarchy_.round_begin[r + 1];
 #pragma omp parallel for schedule(dynamic, 256) num_threads(threads_) if (end - begin > kSerialSize)
             for (int i = begin; i < end; ++i) {
-                move_vertex(i, rings_[omp_get_thread_num()]);
+                failure.guard([&] { move_vertex(i, rings_[omp_get_thread_num()]); });
             }
         }
+        failure.rethrow();
         for (std::size_t i = hierarchy_.vertex.size(); i < sweep_order_.size(); ++i) {
             move_vertex(static_cast<int>(i), rings_[0]);
         }

@@ -4,12 +4,12 @@
 #include "anneal.h"
 #include "boundary.h"
 #include "metropolis.h"
+#include "parallel_failure.h"
 #include "random.h"
 #include "threads.h"
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 
 namespace spheroseg {
 
@@ -162,19 +162,12 @@ void run_phases(Patchwork& patchwork,
         const std::vector<int> groups = grouping.largest_first();
         const int group_count = grouping.group_count();
         std::int64_t change = 0;
-        std::exception_ptr failure;
+        ParallelFailure failure;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)
         for (int i = 0; i < group_count; ++i) {
-            try {
-                change += run_group(grouping, boundary, groups[i], phase);
-            } catch (...) {
-#pragma omp critical(spheroseg_phase_failure)
-                failure = std::current_exception();
-            }
+            failure.guard([&] { change += run_group(grouping, boundary, groups[i], phase); });
         }
-        if (failure) {
-            std::rethrow_exception(failure);
-        }
+        failure.rethrow();
         grouping.collect(patchwork, boundary);
         edges += change;
         if (control.boundary_edges) {

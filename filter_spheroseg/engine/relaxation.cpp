@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "relaxation.h"
 
+#include "parallel_failure.h"
 #include "threads.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 
 namespace spheroseg {
 
@@ -86,37 +86,22 @@ private:
         std::int64_t sides = 0;
     };
 
-    void iterate() {
+    template <typename Work> void each_worker(Work work) {
         const int worker_count = static_cast<int>(workers_.size());
+        ParallelFailure failure;
+#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
+        for (int w = 0; w < worker_count; ++w) {
+            failure.guard([&] { work(workers_[w], w); });
+        }
+        failure.rethrow();
+    }
+
+    void iterate() {
         const double least = *std::min_element(offsets_.begin(), offsets_.end());
-        std::exception_ptr failure;
-        const auto guarded = [&](auto&& work) {
-            try {
-                work();
-            } catch (...) {
-#pragma omp critical(spheroseg_relaxation_failure)
-                failure = std::current_exception();
-            }
-        };
-#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
-        for (int w = 0; w < worker_count; ++w) {
-            guarded([&] { list_boundary(workers_[w], w); });
-        }
-#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
-        for (int w = 0; w < worker_count; ++w) {
-            guarded([&] { find_centers(workers_[w], w); });
-        }
-#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
-        for (int w = 0; w < worker_count; ++w) {
-            guarded([&] { grow(workers_[w], w, least); });
-        }
-#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
-        for (int w = 0; w < worker_count; ++w) {
-            take_labels(workers_[w], w);
-        }
-        if (failure) {
-            std::rethrow_exception(failure);
-        }
+        each_worker([&](Worker& worker, int w) { list_boundary(worker, w); });
+        each_worker([&](Worker& worker, int w) { find_centers(worker, w); });
+        each_worker([&](Worker& worker, int w) { grow(worker, w, least); });
+        each_worker([&](Worker& worker, int w) { take_labels(worker, w); });
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         for (const Worker& worker : workers_) {
             for (std::size_t l = 0; l < offsets_.size(); ++l) {

@@ -78,9 +78,12 @@ void segment_all_pairs(PreparedMesh& prepared,
 
 } // namespace
 
-PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count)
+PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count) try
     : mesh_(std::move(mesh)), dual_graph_(build_dual_graph(mesh_, thread_count)),
-      report_(inspect(mesh_, dual_graph_, thread_count)) {}
+      report_(inspect(mesh_, dual_graph_, thread_count)) {
+} catch (const std::bad_alloc&) {
+    throw OutOfMemory();
+}
 
 const CollapseHierarchy& PreparedMesh::hierarchy(int thread_count, const Progress& progress) {
     if (!hierarchy_) {
@@ -97,7 +100,8 @@ const Multilevel& PreparedMesh::multilevel(int thread_count, const Progress& pro
     return *multilevel_;
 }
 
-const Parametrization& PreparedMesh::parametrization(int thread_count, const Progress& progress) {
+const Parametrization& PreparedMesh::parametrization(int thread_count,
+                                                     const Progress& progress) try {
     if (!parametrization_) {
         const CollapseHierarchy& collapsed =
             hierarchy(thread_count, sub_progress(progress, 0.0, 0.4));
@@ -105,6 +109,8 @@ const Parametrization& PreparedMesh::parametrization(int thread_count, const Pro
             parametrize(mesh_, collapsed, thread_count, sub_progress(progress, 0.4, 1.0));
     }
     return *parametrization_;
+} catch (const std::bad_alloc&) {
+    throw OutOfMemory();
 }
 
 bool PreparedMesh::set_parametrization(std::vector<Vec3> sphere_positions) {
@@ -152,7 +158,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     }
 }
 
-Segmentation segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) {
+Segmentation
+segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) try {
     const Deadline deadline(options.time_limit_seconds);
     validate(options, mesh);
     report_progress(progress, 0.0, "Parametrization");
@@ -170,6 +177,8 @@ Segmentation segment(PreparedMesh& mesh, const SegmentOptions& options, const Pr
     result.total_seconds = deadline.elapsed_seconds();
     report_progress(progress, 1.0, "Done");
     return result;
+} catch (const std::bad_alloc&) {
+    throw OutOfMemory();
 }
 
 } // namespace spheroseg

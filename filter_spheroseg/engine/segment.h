@@ -61,7 +61,7 @@ struct Segmentation {
 /// each built on first use and kept, so that a second segmentation costs less.
 class PreparedMesh {
 public:
-    /// Examines the mesh. Throws InvalidInput when a vertex index is out of range.
+    /// Examines the mesh. Throws InvalidInput when a vertex index is out of range, OutOfMemory.
     explicit PreparedMesh(TriangleMesh mesh, int thread_count = 0);
 
     const TriangleMesh& mesh() const { return mesh_; }
@@ -93,8 +93,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 /// `fast`: each is also one edge-connected piece without bowties; if that could not be reached, the
 /// measures say so. Depends on connectivity, options and seed, never on coordinates or threads.
 /// `all_pairs`: the paper word for word; pieces and bowties may remain.
-/// Throws InvalidInput, InvalidOptions, Cancelled, DeviceError; the prepared mesh stays usable
-/// after any of them.
+/// Throws InvalidInput, InvalidOptions, Cancelled, DeviceError, OutOfMemory; the prepared mesh
+/// stays usable after any of them.
 Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress = {});
 

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The user's patience or the time runs out: at every single moment at which the engine looks.
+#include "parallel_failure.h"
+#include "segment.h"
+
+#include "test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <thread>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+struct Trial {
+    std::string name;
+    TriangleMesh mesh;
+    SegmentOptions options;
+};
+
+SegmentOptions options_of(Method method, Effort effort, int submesh_count) {
+    SegmentOptions options;
+    options.method = method;
+    options.effort = effort;
+    options.submesh_count = submesh_count;
+    options.thread_count = 2;
+    if (effort == Effort::high) {
+        options.max_refinement_iterations = 8;
+    }
+    return options;
+}
+
+/// Both methods; every way in which `fast` starts.
+std::vector<Trial> trials() {
+    return {
+        {"fast, coarse start", displaced_sphere(3), options_of(Method::fast, Effort::draft, 8)},
+        {"fast, fine start", flipped_sphere(2, 200), options_of(Method::fast, Effort::draft, 40)},
+        {"fast, sphere start", displaced_sphere(2), options_of(Method::fast, Effort::high, 60)},
+        {"fast, slivers", slivers(60, true), options_of(Method::fast, Effort::draft, 30)},
+        {"all_pairs", icosphere(2), options_of(Method::all_pairs, Effort::standard, 20)},
+        {"all_pairs, needle",
+         long_thin_limb(3, 60),
+         options_of(Method::all_pairs, Effort::standard, 7)},
+    };
+}
+
+/// Names of the steps that a run reports, and the number of calls.
+struct Calls {
+    std::set<std::string> steps;
+    int count = 0;
+};
+
+Calls watch(const Trial& trial) {
+    Calls calls;
+    PreparedMesh prepared(trial.mesh, 2);
+    segment(prepared, trial.options, [&](double, const char* step) {
+        calls.steps.insert(step);
+        ++calls.count;
+        return true;
+    });
+    return calls;
+}
+
+TEST(Cancel, AtEveryCallOfEveryStepLeavesTheMeshUsable) {
+    std::set<std::string> steps;
+    for (const Trial& trial : trials()) {
+        SCOPED_TRACE(trial.name);
+        const Calls calls = watch(trial);
+        steps.insert(calls.steps.begin(), calls.steps.end());
+        PreparedMesh reference(trial.mesh, 1);
+        const std::vector<int> expected = segment(reference, trial.options).labels;
+        for (int stop = 1; stop <= calls.count; ++stop) {
+            PreparedMesh prepared(trial.mesh, 2);
+            int left = stop;
+            EXPECT_THROW(
+                segment(prepared, trial.options, [&](double, const char*) { return --left > 0; }),
+                Cancelled);
+            EXPECT_EQ(left, 0) << "called again after it said stop";
+            if (stop % 5 == 1) {
+                EXPECT_EQ(segment(prepared, trial.options).labels, expected) << stop;
+            }
+        }
+    }
+    for (const char* step : {"Simplifying the mesh",
+                             "Mapping to the sphere",
+                             "Cohesion",
+                             "Relaxation",
+                             "Refinement",
+                             "Exchanges"}) {
+        EXPECT_EQ(steps.count(step), 1u) << step << " was never reached";
+    }
+}
+
+TEST(Cancel, OfTheSphericalMapAtEveryCallLeavesTheMeshUsable) {
+    const TriangleMesh mesh = displaced_sphere(3);
+    const auto cancelled_after = [&](PreparedMesh& prepared, int calls) {
+        try {
+            prepared.parametrization(2, [&](double, const char*) { return --calls > 0; });
+        } catch (const Cancelled&) {
+            return true;
+        }
+        return false;
+    };
+    int calls = 1;
+    for (;; ++calls) {
+        PreparedMesh prepared(mesh, 2);
+        if (!cancelled_after(prepared, calls)) {
+            break;
+        }
+        EXPECT_TRUE(is_valid_parametrization(mesh, prepared.parametrization(2).positions));
+    }
+    EXPECT_GT(calls, 20);
+}
+
+TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
+    constexpr double kLimit = 0.03;
+    for (Trial trial : trials()) {
+        SCOPED_TRACE(trial.name);
+        const int calls = watch(trial).count;
+        PreparedMesh prepared(trial.mesh, 2);
+        const std::vector<int> unlimited = segment(prepared, trial.options).labels;
+        trial.options.time_limit_seconds = kLimit;
+        // The last call says that all is done.
+        for (int late = 1; late < calls; late += 1 + calls / 40) {
+            int left = late;
+            const auto dawdle = [&](double, const char*) {
+                if (--left == 0) {
+                    std::this_thread::sleep_for(std::chrono::duration<double>(kLimit));
+                }
+                return true;
+            };
+            const Segmentation result = segment(prepared, trial.options, dawdle);
+            const bool fast = trial.options.method == Method::fast;
+            EXPECT_LE(result.measures.max_triangle_count_difference, 1) << late;
+            EXPECT_TRUE(!fast || result.measures.is_valid()) << late;
+            if (!result.time_limit_hit) {
+                EXPECT_EQ(result.labels, unlimited) << "cut short without a word at " << late;
+            }
+        }
+    }
+}
+
+TEST(ParallelFailure, TakesAnExceptionOutOfAParallelRegion) {
+    ParallelFailure failure;
+    int done = 0;
+#pragma omp parallel for num_threads(2) reduction(+ : done)
+    for (int i = 0; i < 100; ++i) {
+        failure.guard([&] {
+            if (i % 10 == 3) {
+                throw InvalidInput("thrown by a thread");
+            }
+            ++done;
+        });
+    }
+    EXPECT_EQ(done, 90);
+    EXPECT_THROW(failure.rethrow(), InvalidInput);
+    EXPECT_NO_THROW(ParallelFailure().rethrow());
+}
+
+} // namespace
+} // namespace spheroseg

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What must hold for every mesh and all options, as a libFuzzer target.
+#include "fuzz_case.h"
+#include "fuzz_report.h"
+#include "random.h"
+#include "recount.h"
+
+#include <algorithm>
+#include <string>
+
+namespace spheroseg::fuzz {
+namespace {
+
+/// Up to so many faces all labellings are tried where the method found none.
+constexpr int kExhaustiveFaces = 10;
+
+void require(bool holds, const char* what, const FuzzCase& one) {
+    if (!holds) {
+        report_failure(what, one);
+    }
+}
+
+void check_measures(const Measures& measures, const Recount& recount, const FuzzCase& one) {
+    require(measures.submesh_triangles == recount.triangle_counts, "triangle counts", one);
+    require(measures.max_triangle_count_difference == recount.max_triangle_count_difference,
+            "max_triangle_count_difference",
+            one);
+    require(
+        measures.boundary_edge_count == recount.boundary_edge_count, "boundary_edge_count", one);
+    require(measures.disconnected_submesh_count == recount.disconnected_submesh_count,
+            "disconnected_submesh_count",
+            one);
+    require(measures.bowtie_count == recount.bowtie_count, "bowtie_count", one);
+    require(measures.disk_count == recount.disk_count, "disk_count", one);
+}
+
+/// Labels complete and in range; what the measures say is so.
+Recount check_labels(const Segmentation& result, const Surface& surface, const FuzzCase& one) {
+    const int submesh_count = result.measures.submesh_count;
+    require(submesh_count == requested_submesh_count(one.options, one.mesh.face_count()),
+            "submesh_count",
+            one);
+    require(result.labels.size() == one.mesh.faces.size(), "one label per face", one);
+    for (int label : result.labels) {
+        require(label >= 0 && label < submesh_count, "labels in range", one);
+    }
+    const Recount recount = surface.recount(result.labels, submesh_count);
+    check_measures(result.measures, recount, one);
+    return recount;
+}
+
+void check_guarantees(const Recount& recount, const Surface& surface, const FuzzCase& one) {
+    const auto submesh_count = static_cast<int>(recount.triangle_counts.size());
+    const int difference = surface.least_count_difference(submesh_count);
+    if (one.options.method == Method::all_pairs) {
+        require(recount.max_triangle_count_difference <= difference, "balance of all_pairs", one);
+        count(Outcome::segmented);
+        return;
+    }
+    if (recount.is_whole() && recount.max_triangle_count_difference <= difference) {
+        count(Outcome::segmented);
+        return;
+    }
+    if (one.mesh.face_count() > kExhaustiveFaces) {
+        count(Outcome::not_reached);
+        note_not_reached(one, recount, difference);
+        return;
+    }
+    require(!surface.can_be_cut(submesh_count, difference), "a valid labelling exists", one);
+    count(Outcome::impossible);
+}
+
+/// Progress rises within [0, 1], and stops the run when the case says so.
+Progress watched_progress(const FuzzCase& one, int& calls) {
+    return [&one, &calls, last = 0.0](double fraction, const char* step) mutable {
+        require(fraction >= last && fraction <= 1.0 && step && *step, "progress", one);
+        last = fraction;
+        return ++calls != one.cancel_at_call;
+    };
+}
+
+bool must_be_accepted(const Surface& surface, const FuzzCase& one) {
+    return surface.is_manifold() && surface.is_closed() && surface.component_sizes().size() == 1 &&
+        surface.euler_characteristic() == 2 && one.mesh.face_count() > 0;
+}
+
+void check_same_labels(PreparedMesh& used, const FuzzCase& one, const Segmentation& result) {
+    if (one.options.time_limit_seconds > 0.0) {
+        return;
+    }
+    SegmentOptions options = one.options;
+    options.thread_count = options.thread_count == 1 ? 2 : 1;
+    if (one.label_seed % 2 == 0) {
+        require(segment(used, options).labels == result.labels, "same labels, used mesh", one);
+    } else {
+        PreparedMesh fresh(one.mesh, options.thread_count);
+        require(segment(fresh, options).labels == result.labels, "same labels, new mesh", one);
+    }
+}
+
+void run_segmentation(PreparedMesh& prepared, const Surface& surface, const FuzzCase& one) {
+    int calls = 0;
+    Segmentation result;
+    try {
+        result = segment(prepared, one.options, watched_progress(one, calls));
+    } catch (const Cancelled&) {
+        require(calls == one.cancel_at_call, "cancelled without being asked", one);
+        count(Outcome::cancelled);
+        result = segment(prepared, one.options);
+    }
+    const Recount recount = check_labels(result, surface, one);
+    if (one.options.time_limit_seconds > 0.0 && result.time_limit_hit &&
+        !(recount.is_whole() && recount.max_triangle_count_difference <= 1)) {
+        count(Outcome::out_of_time);
+    } else {
+        check_guarantees(recount, surface, one);
+    }
+    check_same_labels(prepared, one, result);
+}
+
+void run_parametrization(PreparedMesh& prepared, const FuzzCase& one) {
+    const std::vector<Vec3> positions =
+        prepared.parametrization(one.options.thread_count).positions;
+    require(is_valid_parametrization(one.mesh, positions), "valid map", one);
+    require(measure_parametrization(one.mesh, positions).flipped_triangle_count == 0,
+            "no flipped triangle",
+            one);
+    require(prepared.set_parametrization(positions), "the map fits its mesh", one);
+}
+
+/// Labels drawn at random, some of them out of range.
+void run_measures(const PreparedMesh& prepared, const Surface& surface, const FuzzCase& one) {
+    Random random(static_cast<std::uint64_t>(one.label_seed));
+    const int submesh_count = 1 + static_cast<int>(random.below(8));
+    std::vector<int> labels;
+    for (int f = 0; f < one.mesh.face_count(); ++f) {
+        labels.push_back(static_cast<int>(random.below(submesh_count)));
+    }
+    if (one.label_seed % 16 == 0 && !labels.empty()) {
+        labels.back() = one.label_seed % 32 == 0 ? submesh_count : -1;
+    }
+    const Measures measures =
+        measure(prepared.mesh(), prepared.dual_graph(), labels, submesh_count);
+    if (surface.is_manifold()) {
+        check_measures(measures, surface.recount(labels, submesh_count), one);
+    }
+}
+
+void run_case(const FuzzCase& one) {
+    PreparedMesh prepared(one.mesh, one.options.thread_count);
+    const Surface surface(one.mesh);
+    if (one.parametrize && prepared.report().is_closed_genus_zero()) {
+        run_parametrization(prepared, one);
+    }
+    if (one.measure_any_labels) {
+        run_measures(prepared, surface, one);
+    }
+    try {
+        run_segmentation(prepared, surface, one);
+    } catch (const InvalidInput&) {
+        require(!must_be_accepted(surface, one), "a good mesh is refused", one);
+        throw;
+    }
+}
+
+} // namespace
+} // namespace spheroseg::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    using namespace spheroseg;
+    using namespace spheroseg::fuzz;
+    const FuzzCase one = read_case(bytes, size);
+    const auto refuse = [&](const std::exception& error) {
+        require(std::string(error.what()).size() > 20, "a message that helps", one);
+        count(Outcome::refused);
+    };
+    try {
+        run_case(one);
+    } catch (const InvalidInput& error) {
+        refuse(error);
+    } catch (const InvalidOptions& error) {
+        refuse(error);
+    } catch (const DeviceError& error) {
+        refuse(error);
+    }
+    return 0;
+}
