@@ -4,6 +4,7 @@
 #include "cohesion_state.h"
 #include "measures.h"
 #include "random.h"
+#include "swap_device.h"
 #include "threads.h"
 #include "yielding_barrier.h"
 
@@ -114,8 +115,10 @@ long long play_rounds(ChordSwapState& state,
     return swap_count;
 }
 
-/// One iteration over all pairs. `complete` becomes false when the time limit cut it short.
+/// One iteration over all pairs, by `device` unless it is null. `complete` becomes false when the
+/// time limit cut it short.
 long long play_iteration(ChordSwapState& state,
+                         CohesionRounds* device,
                          const SwapLimits& limits,
                          int iterations_done,
                          const Progress& progress,
@@ -124,8 +127,9 @@ long long play_iteration(ChordSwapState& state,
     const int threads = std::clamp(
         schedule.slot_count() / kMinSlotsPerThread, 1, resolve_thread_count(limits.thread_count));
     const int rounds = schedule.round_count();
-    const int step =
-        static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
+    const int step = device != nullptr
+        ? device->rounds_per_report()
+        : static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
     long long swap_count = 0;
     for (int begin = 0; begin < rounds; begin += step) {
         if (limits.expired()) {
@@ -135,7 +139,12 @@ long long play_iteration(ChordSwapState& state,
         report_progress(progress,
                         open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
                         "Cohesion");
-        swap_count += play_rounds(state, schedule, begin, std::min(rounds, begin + step), threads);
+        const int end = std::min(rounds, begin + step);
+        swap_count += device != nullptr ? device->play(begin, end)
+                                        : play_rounds(state, schedule, begin, end, threads);
+    }
+    if (device != nullptr) {
+        device->read_labels(state.label);
     }
     return swap_count;
 }
@@ -182,7 +191,11 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
                                 const Progress& progress) {
     SwapIterations history;
     ChordSwapState state = make_cohesion_state(face_centroids, labels);
-    assign_centroids(state, submesh_centroids(state, submesh_count));
+    PointArrays centroids = submesh_centroids(state, submesh_count);
+    assign_centroids(state, centroids);
+    const std::unique_ptr<CohesionRounds> device = limits.device != nullptr
+        ? limits.device->begin_cohesion(state.face, state.label, submesh_count)
+        : nullptr;
     double least_energy = energy_of(state);
     int least_energy_at = 0;
     bool offset_used = false;
@@ -193,9 +206,12 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
         }
         const Deadline watch;
         bool complete = true;
+        if (device) {
+            device->set_centroids(centroids);
+        }
         const long long swap_count =
-            play_iteration(state, limits, history.count(), progress, complete);
-        PointArrays centroids = submesh_centroids(state, submesh_count);
+            play_iteration(state, device.get(), limits, history.count(), progress, complete);
+        centroids = submesh_centroids(state, submesh_count);
         converged = complete && swap_count == 0;
         if (converged && !offset_used && part_coinciding_centroids(centroids, seed)) {
             offset_used = true;

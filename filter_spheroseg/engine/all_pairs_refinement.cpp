@@ -5,6 +5,7 @@
 #include "parallel_failure.h"
 #include "refinement_cost.h"
 #include "round_robin.h"
+#include "swap_device.h"
 #include "threads.h"
 #include "yielding_barrier.h"
 
@@ -201,8 +202,10 @@ private:
     long long stamp_ = 0;
 };
 
-/// One iteration over all pairs. `complete` becomes false when the time limit cut it short.
+/// One iteration over all pairs, by `device` unless it is null. `complete` becomes false when the
+/// time limit cut it short.
 long long play_iteration(Refinement& refinement,
+                         SwapRounds* device,
                          const SwapLimits& limits,
                          int iterations_done,
                          const Progress& progress,
@@ -211,8 +214,9 @@ long long play_iteration(Refinement& refinement,
     const int threads = std::clamp(
         schedule.slot_count() / kMinSlotsPerThread, 1, resolve_thread_count(limits.thread_count));
     const int rounds = schedule.round_count();
-    const int step =
-        static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
+    const int step = device != nullptr
+        ? device->rounds_per_report()
+        : static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
     long long swap_count = 0;
     for (int begin = 0; begin < rounds; begin += step) {
         if (limits.expired()) {
@@ -222,7 +226,9 @@ long long play_iteration(Refinement& refinement,
         report_progress(progress,
                         open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
                         "Refinement");
-        swap_count += refinement.play_rounds(begin, std::min(rounds, begin + step), threads);
+        const int end = std::min(rounds, begin + step);
+        swap_count += device != nullptr ? device->play(begin, end)
+                                        : refinement.play_rounds(begin, end, threads);
     }
     return swap_count;
 }
@@ -243,6 +249,8 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
                                 const Progress& progress) {
     SwapIterations history;
     Refinement refinement(dual_graph, labels);
+    const std::unique_ptr<SwapRounds> device =
+        limits.device != nullptr ? limits.device->begin_refinement(dual_graph, labels) : nullptr;
     double least_boundary = count_boundary_edges(dual_graph, labels);
     std::vector<int> best_labels = labels;
     for (bool converged = false; !converged && !history.time_limit_hit;) {
@@ -252,7 +260,10 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
         const Deadline watch;
         bool complete = true;
         const long long swap_count =
-            play_iteration(refinement, limits, history.count(), progress, complete);
+            play_iteration(refinement, device.get(), limits, history.count(), progress, complete);
+        if (device) {
+            device->read_labels(labels);
+        }
         const double boundary = count_boundary_edges(dual_graph, labels);
         history.boundary_edges.push_back(boundary);
         history.swaps.push_back(static_cast<double>(swap_count));

@@ -3,6 +3,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "device_swaps.h"
 #include "fast_segmentation.h"
 
 #include <algorithm>
@@ -35,21 +36,14 @@ void record(Segmentation& result, const SwapIterations& iterations) {
     result.time_limit_hit = result.time_limit_hit || iterations.time_limit_hit;
 }
 
-void segment_all_pairs(PreparedMesh& prepared,
-                       const SegmentOptions& options,
-                       int submesh_count,
-                       const Deadline& deadline,
-                       const Progress& progress,
-                       Segmentation& result) {
-    const Deadline parametrization_watch;
-    const std::vector<Vec3> centroids = face_centroids_on_sphere(
-        prepared.mesh(),
-        prepared.parametrization(options.thread_count, sub_progress(progress, 0.0, 0.1)).positions);
-    result.parametrization_seconds = parametrization_watch.elapsed_seconds();
-
-    SwapLimits limits;
-    limits.thread_count = options.thread_count;
-    limits.deadline = &deadline;
+/// Cohesion and refinement, on `device` unless it is null.
+void swap_all_pairs(const PreparedMesh& prepared,
+                    const std::vector<Vec3>& centroids,
+                    const SegmentOptions& options,
+                    SwapLimits limits,
+                    const Progress& progress,
+                    Segmentation& result) {
+    const int submesh_count = requested_submesh_count(options, prepared.mesh().face_count());
     limits.max_iterations = options.max_cohesion_iterations;
     const Deadline cohesion_watch;
     result.labels =
@@ -60,7 +54,7 @@ void segment_all_pairs(PreparedMesh& prepared,
                                                      options.seed,
                                                      limits,
                                                      result.labels,
-                                                     sub_progress(progress, 0.1, 0.9));
+                                                     sub_progress(progress, 0.0, 0.9));
     record(result, cohesion);
     result.cohesion_iterations = cohesion.count();
     result.cohesion_seconds = cohesion_watch.elapsed_seconds();
@@ -74,6 +68,42 @@ void segment_all_pairs(PreparedMesh& prepared,
     record(result, refinement);
     result.refinement_iterations = refinement.count();
     result.refinement_seconds = refinement_watch.elapsed_seconds();
+    result.used_cuda = limits.device != nullptr;
+}
+
+void segment_all_pairs(PreparedMesh& prepared,
+                       const SegmentOptions& options,
+                       const Deadline& deadline,
+                       const Progress& progress,
+                       Segmentation& result) {
+    const Deadline parametrization_watch;
+    const std::vector<Vec3> centroids = face_centroids_on_sphere(
+        prepared.mesh(),
+        prepared.parametrization(options.thread_count, sub_progress(progress, 0.0, 0.1)).positions);
+    result.parametrization_seconds = parametrization_watch.elapsed_seconds();
+    SwapLimits limits;
+    limits.thread_count = options.thread_count;
+    limits.deadline = &deadline;
+    const bool tries_device = options.device == Device::cuda ||
+        (options.device == Device::automatic &&
+         prepared.mesh().face_count() >= cuda::kLeastFacesForDevice);
+    if (tries_device) {
+        const Segmentation before = result;
+        try {
+            const std::unique_ptr<SwapDevice> device = cuda::open_swap_device();
+            limits.device = device.get();
+            swap_all_pairs(
+                prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
+            return;
+        } catch (const DeviceError&) {
+            if (options.device == Device::cuda) {
+                throw;
+            }
+            limits.device = nullptr;
+            result = before;
+        }
+    }
+    swap_all_pairs(prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
 }
 
 } // namespace
@@ -153,8 +183,11 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
                              ". Ask for fewer sub-meshes, or set triangles_per_submesh.");
     }
     if (options.device == Device::cuda) {
-        throw DeviceError("Expected a build with CUDA for device \"cuda\", found one built without "
-                          "CUDA. Use device \"auto\" or \"cpu\".");
+        cuda::open_swap_device();
+        if (options.method != Method::all_pairs) {
+            throw DeviceError("Expected method \"all_pairs\" with device \"cuda\", found \"fast\", "
+                              "which runs on the cores. Use device \"auto\" or \"cpu\".");
+        }
     }
 }
 
@@ -170,7 +203,7 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
         segment_fast(mesh, options, submesh_count, deadline, progress, result);
         break;
     case Method::all_pairs:
-        segment_all_pairs(mesh, options, submesh_count, deadline, progress, result);
+        segment_all_pairs(mesh, options, deadline, progress, result);
         break;
     }
     result.measures = measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count);

@@ -7,7 +7,9 @@
 
 namespace spheroseg {
 
-/// How long the iterations of a swapping step may go on.
+class SwapDevice;
+
+/// How long the iterations of a swapping step may go on, and where.
 struct SwapLimits {
     /// 0: all cores.
     int thread_count = 0;
@@ -15,6 +17,8 @@ struct SwapLimits {
     int max_iterations = 0;
     /// Running since the start of the whole operation; null: no limit.
     const Deadline* deadline = nullptr;
+    /// Plays the rounds instead of the cores; null: none.
+    SwapDevice* device = nullptr;
 
     bool expired() const { return deadline != nullptr && deadline->expired(); }
 };
