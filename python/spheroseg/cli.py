@@ -94,6 +94,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return _report(arguments.command, f"{where}{error.strerror or error}")
+    except MemoryError:
+        return _report(
+            arguments.command,
+            "there is not enough memory; close other programs, or simplify the mesh",
+        )
     except KeyboardInterrupt:
         _report(arguments.command, "interrupted")
         return EXIT_INTERRUPTED

@@ -3,6 +3,7 @@
 
 import os
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pymeshlab
 
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_before_reading
 
 _HEADER_BYTES = 65536
 
@@ -24,12 +26,18 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
+    check_before_reading(path)
     mesh_set = pymeshlab.MeshSet()
     try:
         mesh_set.load_new_mesh(str(path))
     except pymeshlab.PyMeshLabException as error:
         forget_failed_call()
         raise InputError(f"{path}: PyMeshLab can not read it: {_reason(str(error))}") from None
+    except MemoryError:
+        raise InputError(
+            f"{path}: there is not enough memory to read it; close other programs, or use a "
+            "machine with more memory"
+        ) from None
     face_count = mesh_set.current_mesh().face_number()
     declared = declared_face_count(path)
     if declared is not None and declared > face_count:
@@ -97,11 +105,21 @@ def read_labels(path: str | os.PathLike) -> np.ndarray:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     try:
-        if path.suffix.lower() == ".npy":
-            return np.load(path, allow_pickle=False)
-        return np.loadtxt(path, dtype=np.float64, ndmin=1)
-    except ValueError as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # an empty file, a size that overflows
+            if path.suffix.lower() == ".npy":
+                return _read_npy(path)
+            return np.loadtxt(path, dtype=np.float64, ndmin=1)
+    except (ValueError, EOFError, OverflowError, Warning) as error:
         raise InputError(f"{path}: is no file of labels: {error}") from None
+
+
+def _read_npy(path: Path) -> np.ndarray:
+    # Mapped into memory, so that a header that declares more than there is costs no memory.
+    labels = np.load(path, mmap_mode="r", allow_pickle=False)
+    if not isinstance(labels, np.ndarray):
+        raise ValueError("it holds several arrays (.npz); one is expected")
+    return np.array(labels)
 
 
 def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:

@@ -57,6 +57,13 @@ def _expand(text: str):
 def _from_csv(path: Path):
     if not path.is_file():
         raise InputError(f"{path}: no such file")
+    try:
+        yield from _csv_rows(path)
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: is no CSV file in UTF-8: {error}") from None
+
+
+def _csv_rows(path: Path):
     with path.open(newline="", encoding="utf-8-sig") as stream:
         reader = csv.DictReader(stream)
         columns = reader.fieldnames or []
@@ -65,6 +72,8 @@ def _from_csv(path: Path):
         count_column = next((name for name in _COUNT_COLUMNS if name in columns), None)
         for row in reader:
             count = _count(path, reader.line_num, row.get(count_column) if count_column else None)
+            if not (row["mesh"] or "").strip() or "\0" in row["mesh"]:
+                raise InputError(f"{path}: line {reader.line_num}: names no mesh")
             mesh = path.parent / row["mesh"].strip()
             yield Source(mesh, mesh.stem if count is None else f"{mesh.stem}-k{count}", count)
 

@@ -62,8 +62,8 @@ def finished_record(job: Job) -> dict[str, Any] | None:
         for file, digest in record["outputs"].items():
             if sha256(Path(job.folder) / file) != digest:
                 return None
-    except (OSError, ValueError, KeyError):
-        return None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None  # no such record, or a damaged one
     return record
 
 

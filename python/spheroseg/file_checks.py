@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What PyMeshLab must not be given to read.
+
+It makes room for what a header declares before it reads on, so that a header of a few bytes could
+ask for all memory or keep it busy for hours; and some damage ends the process.
+"""
+
+import itertools
+import re
+from pathlib import Path
+
+from spheroseg.errors import InputError
+
+_HEAD_BYTES = 65536
+_PLY_TYPE_BYTES = {
+    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
+    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
+    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
+    **dict.fromkeys(("double", "float64"), 8),
+}
+_PLY_TYPES = frozenset(name.encode() for name in _PLY_TYPE_BYTES)
+_PLY_LIST_ELEMENTS = (b"vertex", b"face", b"tristrips")
+_PLURALS = {"vertex": "vertices", "face": "faces"}
+_STL_HEADER_BYTES = 84
+_STL_FACE_BYTES = 50
+_STL_SAMPLE_BYTES = 1000
+
+
+def check_before_reading(path: Path) -> None:
+    """Raises InputError for a ply, off or stl file that is damaged in such a way."""
+    suffix = path.suffix.lower()
+    check = {".ply": _check_ply, ".off": _check_off, ".stl": _check_stl}.get(suffix)
+    if check is None:
+        return
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        check(path, file.read(_HEAD_BYTES), size)
+
+
+def _check_ply(path: Path, head: bytes, size: int) -> None:
+    header, found, _ = head.partition(b"end_header")
+    if not found:
+        return  # PyMeshLab says what is wrong
+    _check_ply_lines(path, header)
+    is_text = re.search(rb"^format\s+ascii", header, re.M) is not None
+    needed = 0
+    for element in re.split(rb"^element", header, flags=re.M)[1:]:
+        words = element.split()
+        if len(words) < 2 or not words[1].isdigit():
+            raise InputError(
+                f"{path}: the header declares {_shown(words[1:2])} of "
+                f"{_shown(words[:1])}, expected a count; the file is damaged"
+            )
+        if words[0] not in _PLY_LIST_ELEMENTS and b"property list" in element:
+            raise InputError(
+                f"{path}: the element '{_shown(words[:1])}' has a list, which PyMeshLab can read "
+                "for vertex and face only; write the file again without it"
+            )
+        count = int(words[1])
+        least = _ply_bytes(element, is_text)
+        name = _shown(words[:1])
+        _require(path, size - len(header) - needed, count, _PLURALS.get(name, name), least)
+        needed += count * least
+
+
+def _check_ply_lines(path: Path, header: bytes) -> None:
+    for number, line in enumerate(header.splitlines()[1:], start=2):
+        words = line.split()
+        if words and not _is_ply_line(words):
+            raise InputError(
+                f"{path}: line {number} of the header is '{_shown([line])}', expected a format, "
+                "comment, element or property; the file is damaged"
+            )
+
+
+def _is_ply_line(words: list[bytes]) -> bool:
+    kind, count = words[0], len(words)
+    if kind == b"property" and count > 1 and words[1] == b"list":
+        return count == 5 and {words[2], words[3]} <= _PLY_TYPES
+    if kind == b"property":
+        return count == 3 and words[1] in _PLY_TYPES
+    return kind in (b"comment", b"obj_info") or (kind in (b"element", b"format") and count == 3)
+
+
+def _ply_bytes(element: bytes, is_text: bool) -> int:
+    """The least that one entry of an element takes: in text a digit and a space per property."""
+    properties = re.findall(rb"^property\s+(\w+)", element, re.M)
+    if is_text:
+        return 2 * len(properties)
+    counts = re.findall(rb"^property\s+list\s+(\w+)", element, re.M)
+    types = [name for name in properties if name != b"list"] + counts
+    return sum(_PLY_TYPE_BYTES[name.decode()] for name in types)
+
+
+def _check_off(path: Path, head: bytes, size: int) -> None:
+    bare = re.sub(rb"#[^\n]*", b"", head)
+    found = re.match(rb"\s*[A-Z]*OFF\s+([-+]?\d+)\s+([-+]?\d+)", bare)
+    if not found:
+        return
+    for text, name, least in ((found[1], "vertices", 6), (found[2], "faces", 4)):
+        count = int(text)
+        if count < 0:
+            raise InputError(f"{path}: the header declares {count} {name}; the file is damaged")
+        _require(path, size, count, name, least)
+    if b"BINARY" not in head:
+        _check_off_indices(path, int(found[1]), int(found[2]))
+
+
+def _check_off_indices(path: Path, vertex_count: int, face_count: int) -> None:
+    """PyMeshLab follows an index beyond the vertices."""
+    with path.open("rb") as file:
+        lines = (words for line in file if (words := line.partition(b"#")[0].split()))
+        header = next(lines)
+        if len(header) < 3:
+            next(lines)
+        for words in itertools.islice(lines, vertex_count, vertex_count + face_count):
+            corner_count = int(words[0]) if words[0].isdigit() else 0
+            for word in words[1 : 1 + corner_count]:
+                if not word.isdigit() or int(word) >= vertex_count:
+                    raise InputError(
+                        f"{path}: a face names the vertex '{_shown([word])}', expected an index in "
+                        f"[0, {vertex_count}); the file is damaged"
+                    )
+
+
+def _check_stl(path: Path, head: bytes, size: int) -> None:
+    sample = head[80 : 80 + _STL_SAMPLE_BYTES]
+    if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
+        return
+    if size < _STL_HEADER_BYTES:
+        raise InputError(f"{path}: has {size} bytes, too few for an STL file; it is damaged")
+    count = int.from_bytes(head[80:84], "little")
+    _require(path, size - _STL_HEADER_BYTES + 2, count, "faces", _STL_FACE_BYTES)
+    # Where the size is not what the count says, PyMeshLab takes the file for text unless it meets
+    # a byte that is not ASCII, and then may never come to an end.
+    if size != _STL_HEADER_BYTES + count * _STL_FACE_BYTES and max(sample) < 128:
+        raise InputError(
+            f"{path}: the header declares {count:,} faces, which make "
+            f"{_STL_HEADER_BYTES + count * _STL_FACE_BYTES:,} bytes, but the file has {size:,}; it "
+            "is damaged"
+        )
+
+
+def _require(path: Path, available: int, count: int, name: str, least_bytes: int) -> None:
+    # The last line of a text needs no end.
+    if count * least_bytes > available + 1:
+        raise InputError(
+            f"{path}: the header declares {count:,} {name}, but there are only {available:,} bytes "
+            "for them; the file is cut short or damaged"
+        )
+
+
+def _shown(words: list[bytes]) -> str:
+    return words[0].decode(errors="replace")[:40] if words else "nothing"

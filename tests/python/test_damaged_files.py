@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files that are cut short, empty, damaged or lie in their header: one clear line, exit code 2."""
+
+import json
+import os
+import random
+import re
+import resource
+import signal
+
+import numpy as np
+import pymeshlab
+import pytest
+from mesh_paths import SAMPLE_FOLDER
+
+from spheroseg import cli
+from spheroseg.batch import inputs, jobs
+from spheroseg.errors import InputError
+
+CUBE = SAMPLE_FOLDER / "cube.obj"
+HUGE_COUNTS = (100_000_000, 2**31 - 1, 2**31, 4_000_000_000, 10**20)
+GIB = 2**30
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The bytes of a cube in every format."""
+    folder = tmp_path_factory.mktemp("whole")
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(CUBE))
+    content = {}
+    for name in ("ply", "obj", "off", "stl"):
+        mesh_set.save_current_mesh(str(folder / f"cube.{name}"))
+        content[name] = (folder / f"cube.{name}").read_bytes()
+    for name in ("ply", "stl"):
+        mesh_set.save_current_mesh(str(folder / f"text.{name}"), binary=False)
+        content[f"text.{name}"] = (folder / f"text.{name}").read_bytes()
+    return content
+
+
+@pytest.fixture
+def little_memory():
+    """What asks for much memory fails at once instead of taking the machine's."""
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()  # noqa: PTH123, SIM115
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2 * GIB, limits[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, limits)
+
+
+@pytest.fixture
+def outcome(tmp_path, capsys, little_memory):
+    """Segments a file with this content: (exit code, stderr)."""
+
+    def call(name, content):
+        path = tmp_path / f"mesh.{name.rsplit('.', 1)[-1]}"
+        path.write_bytes(content)
+        code = cli.main(["segment", str(path), "-k", "3", "-q", "--threads", "1"])
+        shown = capsys.readouterr()
+        assert shown.out == ""
+        return code, shown.err
+
+    return call
+
+
+def assert_refused(outcome):
+    code, line = outcome
+    assert code == 2
+    assert line.startswith("spheroseg segment: ")
+    assert line.count("\n") == 1
+    assert len(line) < 500
+
+
+FORMATS = ["ply", "text.ply", "obj", "off", "stl", "text.stl"]
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_file_that_is_cut_short_is_refused(outcome, whole, name):
+    content = whole[name]
+    for share in (0.0, 0.02, 0.2, 0.4, 0.6, 0.8, 0.9):
+        assert_refused(outcome(name, content[: int(share * len(content))]))
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_whole_file_is_read(outcome, whole, name):
+    assert outcome(name, whole[name]) == (0, "")
+
+
+@pytest.mark.parametrize("name", ["ply", "obj", "off", "stl"])
+def test_random_bytes_are_refused(outcome, name):
+    generator = random.Random(1)
+    for size in (1, 16, 100, 3000):
+        assert_refused(outcome(name, generator.randbytes(size)))
+
+
+def exit_code_of_fork(work):
+    """What `work` returns, or minus the signal that ended it, in a process of its own."""
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)
+        os._exit(work())
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+@pytest.mark.parametrize("name", ["ply", "text.ply", "obj", "off", "stl", "text.stl"])
+def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
+    # In processes of their own: PyMeshLab might end one.
+    generator = random.Random(2)
+    for case in range(30):
+        content = bytearray(whole[name])
+        for _ in range(3):
+            content[generator.randrange(len(content))] = generator.randrange(256)
+
+        def read(content=bytes(content)):
+            result = outcome(name, content)
+            if result != (0, ""):
+                assert_refused(result)
+            return 0
+
+        assert exit_code_of_fork(read) == 0, case
+
+
+def test_an_off_face_that_names_a_missing_vertex_is_refused(outcome, whole):
+    faces = whole["off"].rstrip().rsplit(b"\n", 1)
+    for wrong in (b"3 0 1 8", b"3 0 1 4957", b"3 0 1 -1", b"3 0 1 \xff"):
+        assert_refused(outcome("off", faces[0] + b"\n" + wrong + b"\n"))
+
+
+def test_a_ply_list_that_pymeshlab_can_not_skip_is_refused(outcome, whole):
+    result = outcome("ply", whole["ply"].replace(b"element face", b"element facet"))
+    assert_refused(result)
+    assert "'facet' has a list" in result[1]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"element fa\te 12",
+        b"property floa x",
+        b"property list uchar int",
+        b"propert float x",
+        b"\xff",
+    ],
+)
+def test_a_damaged_line_of_a_ply_header_is_refused_and_quoted(outcome, whole, line):
+    result = outcome("ply", whole["ply"].replace(b"end_header", line + b"\nend_header"))
+    assert_refused(result)
+    assert "line 10 of the header" in result[1]
+
+
+@pytest.mark.parametrize("count", HUGE_COUNTS)
+@pytest.mark.parametrize("element", ["vertex", "face"])
+@pytest.mark.parametrize("name", ["ply", "text.ply"])
+def test_a_ply_header_that_declares_too_much_costs_no_memory(outcome, whole, name, element, count):
+    pattern = rb"element %s \d+" % element.encode()
+    content = re.sub(pattern, b"element %s %d" % (element.encode(), count), whole[name])
+    result = outcome(name, content)
+    assert_refused(result)
+    assert f"declares {count:,}" in result[1]
+
+
+@pytest.mark.parametrize("count", [*HUGE_COUNTS, -5])
+@pytest.mark.parametrize("place", [0, 1])
+def test_an_off_header_that_declares_too_much_costs_no_memory(outcome, whole, place, count):
+    counts = re.search(rb"OFF\s+(\d+) (\d+)", whole["off"])
+    start, end = counts.span(place + 1)
+    content = whole["off"][:start] + str(count).encode() + whole["off"][end:]
+    assert_refused(outcome("off", content))
+
+
+@pytest.mark.parametrize("count", [13, 100_000_000, 2**31 - 1, 2**32 - 1])
+@pytest.mark.parametrize("body", [None, bytes(600)], ids=["cube", "zeros"])
+def test_an_stl_header_that_declares_too_much_is_refused_at_once(outcome, whole, body, count):
+    content = whole["stl"][:80] + count.to_bytes(4, "little") + (body or whole["stl"][84:])
+    assert_refused(outcome("stl", content))
+
+
+def test_a_ply_header_without_a_count_is_refused(outcome, whole):
+    for wrong in (b"element face -5", b"element face", b"element face many"):
+        assert_refused(outcome("ply", re.sub(rb"element face \d+", wrong, whole["ply"])))
+
+
+def npy_bytes(shape, size, dtype="'<i4'"):
+    header = f"{{'descr': {dtype}, 'fortran_order': False, 'shape': {shape}, }}".encode()
+    header += b" " * (118 - len(header) - 1) + b"\n"
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(size)
+
+
+BAD_LABELS = {
+    "empty.npy": b"",
+    "empty.txt": b"",
+    "short.npy": npy_bytes("(12,)", 12),
+    "huge.npy": npy_bytes("(100000000000,)", 48),
+    "overflow.npy": npy_bytes("(4611686018427387904, 4)", 48),
+    "negative.npy": npy_bytes("(-12,)", 48),
+    "none.npy": npy_bytes("(0,)", 0),
+    "square.npy": npy_bytes("(3, 4)", 48),
+    "objects.npy": npy_bytes("(12,)", 96, "'|O'"),
+    "text.npy": npy_bytes("(12,)", 48, "'<U1'"),
+    "code.npy": npy_bytes("(12,)", 48, "__import__('os')"),
+    "archive.npy": b"PK\x05\x06" + bytes(18),
+    "random.npy": random.Random(3).randbytes(500),
+    "magic.npy": b"\x93NUMPY\x01\x00" + random.Random(4).randbytes(300),
+    "random.txt": random.Random(5).randbytes(500),
+    "columns.txt": b"0 1\n" * 12,
+    "infinite.txt": b"inf\n" * 12,
+    "large.txt": b"99999999999999999999\n" * 12,
+}
+
+
+@pytest.mark.parametrize("name", BAD_LABELS)
+def test_damaged_labels_are_refused(tmp_path, capsys, little_memory, name):
+    (tmp_path / name).write_bytes(BAD_LABELS[name])
+    assert cli.main(["measure", str(CUBE), "--labels", str(tmp_path / name)]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
+    assert shown.err.startswith("spheroseg measure: ")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\xff\xfe\x00",
+        b"mesh\n\0\n",
+        b'mesh\n"' + b"a" * 200_000,
+        b"k,mesh\n5\n",
+        b"mesh\n \n",
+    ],
+    ids=["empty", "no utf-8", "NUL", "long field", "short row", "blank name"],
+)
+def test_a_damaged_list_of_meshes_is_refused(tmp_path, content):
+    (tmp_path / "list.csv").write_bytes(content)
+    with pytest.raises(InputError, match=re.escape(str(tmp_path / "list.csv"))):
+        inputs.collect([str(tmp_path / "list.csv")])
+
+
+RECORD = {"status": "done", "settings": {}, "input_sha256": "", "outputs": {}}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b"null",
+        b"\xff\xfe",
+        json.dumps({**RECORD, "outputs": []}).encode(),
+        json.dumps({**RECORD, "outputs": {"a": 1}}).encode(),
+        json.dumps({**RECORD, "outputs": None}).encode(),
+    ],
+)
+def test_a_damaged_record_of_a_batch_means_that_the_mesh_is_done_again(tmp_path, content):
+    job = jobs.Job(str(CUBE), "cube", str(tmp_path), {}, (), {})
+    content = content.replace(
+        b'"settings": {}', b'"settings": ' + json.dumps(job.settings()).encode()
+    )
+    content = content.replace(
+        b'"input_sha256": ""', f'"input_sha256": "{jobs.sha256(CUBE)}"'.encode()
+    )
+    job.record_path().parent.mkdir()
+    job.record_path().write_bytes(content)
+    assert jobs.finished_record(job) is None
+
+
+def test_labels_are_read_into_memory_of_their_own(tmp_path):
+    from spheroseg import mesh_files
+
+    path = tmp_path / "labels.npy"
+    np.save(path, np.arange(5))
+    labels = mesh_files.read_labels(path)
+    path.unlink()
+    assert labels.tolist() == [0, 1, 2, 3, 4]
+    assert type(labels) is np.ndarray
