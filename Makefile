@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 .DEFAULT_GOAL := help
 .PHONY: help demo report bench test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
-	test-style test-engine test-sanitize test-plugin test-python test-gui test-hosts
+	test-style test-engine test-sanitize test-race fuzz test-plugin test-python test-gui test-hosts
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -15,6 +15,7 @@ help:
 	@echo "make report      compare with METIS and region growing (out/report/report.html)"
 	@echo "make bench       time and quality against partitioners (docs/benchmarks.md; some 20 minutes)"
 	@echo "make test        everything that CI runs"
+	@echo "make fuzz        fuzzing of the engine (docs/reliability.md)"
 	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
 	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
 	@echo "make install-gui adds it to the MeshLab application of this user"
@@ -58,7 +59,7 @@ report: setup plugin
 bench: setup plugin
 	$(PYTHON) -m spheroseg.bench $(BENCH)
 
-test: test-style test-engine test-sanitize test-plugin test-python test-gui
+test: test-style test-engine test-sanitize test-race test-plugin test-python test-gui
 
 test-style: setup
 	.venv/bin/clang-format --dry-run -Werror $(CPP_FILES)
@@ -74,6 +75,22 @@ test-sanitize: setup
 	cmake --preset sanitize -DSPHEROSEG_WERROR=ON
 	cmake --build build/sanitize --parallel $(JOBS)
 	ctest --preset sanitize
+
+# Archer tells the thread sanitizer what OpenMP synchronises; it comes with clang's OpenMP library.
+test-race: setup
+	cmake --preset thread
+	cmake --build build/thread --parallel $(JOBS) --target race_tests
+	SPHEROSEG_ARCHER=$$(ls $$(clang++ -print-resource-dir)/../../libarcher.so) ctest --preset thread
+
+# libFuzzer with what is in tests/fuzz/corpus.txt; FUZZ_SECONDS, FUZZ_ARGUMENTS (docs/reliability.md).
+FUZZ_SECONDS ?= 600
+fuzz: setup
+	cmake --preset fuzz
+	cmake --build build/fuzz --parallel $(JOBS) --target segment_fuzzer
+	$(PYTHON) tests/fuzz/corpus.py unpack tests/fuzz/corpus.txt out/fuzz/corpus
+	OMP_WAIT_POLICY=passive LSAN_OPTIONS=suppressions=tests/engine/lsan.supp \
+		build/fuzz/tests/fuzz/segment_fuzzer out/fuzz/corpus -artifact_prefix=out/fuzz/ \
+		-max_len=200 -timeout=60 -max_total_time=$(FUZZ_SECONDS) $(FUZZ_ARGUMENTS)
 
 test-plugin: setup
 	cmake --preset plugin -DSPHEROSEG_WERROR=ON -DSPHEROSEG_BUILD_ADAPTER_TESTS=ON

@@ -1,9 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes that the Python tests share."""
 
+import os
+
+import hypothesis
 import numpy as np
 import pytest
 from mesh_paths import SAMPLES, load_arrays
+
+# The same examples on every run, few enough for CI; HYPOTHESIS_PROFILE=long tries many others.
+SHARED = {
+    "deadline": None,
+    "print_blob": True,
+    "suppress_health_check": [
+        hypothesis.HealthCheck.function_scoped_fixture,
+        hypothesis.HealthCheck.too_slow,
+    ],
+}
+hypothesis.settings.register_profile(
+    "ci", derandomize=True, database=None, max_examples=60, **SHARED
+)
+hypothesis.settings.register_profile("long", max_examples=3000, **SHARED)
+hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 
 @pytest.fixture(scope="session")

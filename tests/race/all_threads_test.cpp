@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every parallel region of the engine on a mesh that is large enough for it: in a build with the
+// thread sanitizer (preset "thread") this finds races, in any build differences.
+#include "segment.h"
+
+#include "../engine/test_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+constexpr int kThreads = 4;
+
+/// 20,480 faces: all_pairs has enough pairs for two threads, and coarse levels for parallel rounds.
+const TriangleMesh& large_mesh() {
+    static const TriangleMesh mesh = limbed_figure(5, 2.0);
+    return mesh;
+}
+
+void expect_same_labels(SegmentOptions options) {
+    options.thread_count = 1;
+    PreparedMesh alone(large_mesh(), 1);
+    const std::vector<int> expected = segment(alone, options).labels;
+    options.thread_count = kThreads;
+    PreparedMesh together(large_mesh(), kThreads);
+    EXPECT_EQ(segment(together, options).labels, expected);
+}
+
+SegmentOptions short_options(int submesh_count) {
+    SegmentOptions options;
+    options.submesh_count = submesh_count;
+    options.max_cohesion_iterations = 1;
+    return options;
+}
+
+TEST(AllThreads, FastFromACoarseStart) {
+    SegmentOptions options = short_options(60);
+    options.effort = Effort::draft;
+    expect_same_labels(options);
+}
+
+TEST(AllThreads, FastOfManySubmeshes) {
+    SegmentOptions options = short_options(1000);
+    options.max_refinement_iterations = 20;
+    expect_same_labels(options);
+}
+
+TEST(AllThreads, FastFromTheSphere) {
+    SegmentOptions options = short_options(400);
+    options.effort = Effort::high;
+    options.max_refinement_iterations = 1;
+    expect_same_labels(options);
+}
+
+TEST(AllThreads, AllPairs) {
+    SegmentOptions options = short_options(100);
+    options.method = Method::all_pairs;
+    options.max_refinement_iterations = 1;
+    expect_same_labels(options);
+}
+
+} // namespace
+} // namespace spheroseg
