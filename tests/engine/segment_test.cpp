@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace spheroseg {
 namespace {
@@ -92,6 +93,19 @@ TEST(Segment, SameSeedSameLabelsForAnyThreadCountAndOnASecondRun) {
     EXPECT_EQ(segment(again, options).labels, first.labels);
     options.seed = 4;
     EXPECT_NE(segment(prepared, options).labels, first.labels);
+}
+
+TEST(Segment, AbsurdThreadCountsGiveTheSameLabels) {
+    PreparedMesh prepared(icosphere(2));
+    for (Method method : {Method::fast, Method::all_pairs}) {
+        SegmentOptions options = all_pairs_options(20);
+        options.method = method;
+        options.thread_count = 1;
+        const std::vector<int> expected = segment(prepared, options).labels;
+        options.thread_count = std::numeric_limits<int>::max();
+        PreparedMesh other(icosphere(2), options.thread_count);
+        EXPECT_EQ(segment(other, options).labels, expected);
+    }
 }
 
 TEST(Segment, RefinementLowersBoundaryAndBowties) {
