@@ -230,7 +230,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
         post_condition_mask |= MeshModel::MM_FACECOLOR;
     }
     log(GLLogStream::FILTER, summary(segmentation));
-    const std::string missing = shortcomings(segmentation.measures);
+    const std::string missing = shortcomings(segmentation);
     if (!missing.empty()) {
         log(GLLogStream::WARNING, "The result has " + missing + ".");
     }

@@ -11,6 +11,16 @@
     "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "   \
     "what is wrong, and changes nothing.<br>"
 
+#define SPHEROSEG_SURFACE                                                                          \
+    "<b>Needs</b> a triangle mesh with finite coordinates whose edges have one or two faces "      \
+    "each. "                                                                                       \
+    "It may have holes, handles and several components (each sub-mesh lies in one, so there must " \
+    "be no more components than sub-meshes); orientation does not matter, and unreferenced "       \
+    "vertices are ignored. The method <i>all_pairs</i> needs one closed, consistently oriented "   \
+    "component of genus 0 (a ball or an animal, not a ring). For any other mesh the filter "       \
+    "fails, "                                                                                      \
+    "says what is wrong, and changes nothing.<br>"
+
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
     "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "               \
@@ -22,11 +32,12 @@
 namespace spheroseg {
 
 const char* const kSegmentationHelp =
-    "Cuts a closed surface into sub-meshes of equal size: their triangle counts differ by at most "
-    "one. With the method <i>fast</i> each is in one piece and touches itself at no single vertex "
+    "Cuts a surface into sub-meshes of equal size: their triangle counts differ by at most one (of "
+    "several components, as little as their sizes allow). With the method <i>fast</i> each is in "
+    "one piece and touches itself at no single vertex "
     "(no bowtie), and the boundaries between them are short. Say how many sub-meshes there shall "
     "be, or how many triangles each shall have; the other parameters can stay as they "
-    "are.<br>" SPHEROSEG_PRECONDITION
+    "are.<br>" SPHEROSEG_SURFACE
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
     "apart. The measures of the result are in the log. Labels depend on how the triangles are "
@@ -35,7 +46,9 @@ const char* const kSegmentationHelp =
     "instead of a new map.<br>"
     "<small><b>Returns</b> to PyMeshLab <i>submesh_count</i>, <i>triangle_count</i>, "
     "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
-    ", <i>cohesion_iterations</i>, <i>refinement_iterations</i>, <i>parametrization_seconds</i>, "
+    ", <i>component_count</i>, <i>best_max_triangle_count_difference</i> (the least that the sizes "
+    "of the components allow), <i>cohesion_iterations</i>, <i>refinement_iterations</i>, "
+    "<i>parametrization_seconds</i>, "
     "<i>cohesion_seconds</i>, <i>refinement_seconds</i>, <i>total_seconds</i>, "
     "<i>time_limit_hit</i>, <i>used_cuda</i>, and for each iteration (cohesion, then refinement) "
     "<i>boundary_edges_by_iteration</i>, <i>seconds_by_iteration</i>, "

@@ -4,6 +4,7 @@
 // Declares Eigen::VectorXd to QVariant.
 #include <common/plugins/interfaces/filter_plugin.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace spheroseg {
@@ -37,6 +38,8 @@ Results segmentation_results(const Segmentation& segmentation) {
     results["triangle_count"] = measures.triangle_count;
     results["min_submesh_triangles"] = measures.min_submesh_triangles;
     results["max_submesh_triangles"] = measures.max_submesh_triangles;
+    results["component_count"] = segmentation.component_count;
+    results["best_max_triangle_count_difference"] = segmentation.best_max_triangle_count_difference;
     results["cohesion_iterations"] = segmentation.cohesion_iterations;
     results["refinement_iterations"] = segmentation.refinement_iterations;
     results["parametrization_seconds"] = segmentation.parametrization_seconds;
@@ -81,13 +84,18 @@ std::string summary(const Segmentation& segmentation) {
     text << summary(segmentation.measures) << "; " << segmentation.cohesion_iterations
          << " cohesion and " << segmentation.refinement_iterations << " refinement iterations, "
          << segmentation.total_seconds << " s";
+    if (segmentation.component_count > 1) {
+        text << "; " << segmentation.component_count << " components, which allow a difference of "
+             << segmentation.best_max_triangle_count_difference << " triangles at best";
+    }
     if (segmentation.time_limit_hit) {
         text << " (time limit hit)";
     }
     return text.str();
 }
 
-std::string shortcomings(const Measures& measures) {
+std::string shortcomings(const Segmentation& segmentation) {
+    const Measures& measures = segmentation.measures;
     std::ostringstream text;
     const char* separator = "";
     const auto add = [&](bool present, auto count, const char* what) {
@@ -96,7 +104,8 @@ std::string shortcomings(const Measures& measures) {
             separator = ", ";
         }
     };
-    add(measures.max_triangle_count_difference > 1,
+    add(measures.max_triangle_count_difference >
+            std::max(1, segmentation.best_max_triangle_count_difference),
         measures.max_triangle_count_difference,
         " triangles between the largest and the smallest sub-mesh");
     add(measures.disconnected_submesh_count > 0,

@@ -23,6 +23,6 @@ std::string summary(const Segmentation& segmentation);
 std::string summary(const Measures& measures);
 
 /// What the labels fall short of (balance, connectedness, no bowtie); empty when of nothing.
-std::string shortcomings(const Measures& measures);
+std::string shortcomings(const Segmentation& segmentation);
 
 } // namespace spheroseg

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kSerialSize = 1000;
 
-/// True when `v` has one closed fan that holds all its faces.
+/// True when `v` has one closed fan that holds all its faces, oriented alike.
 bool has_closed_fan(const CollapseMesh& mesh, int v) {
     const int degree = mesh.vertices[v].degree;
     const int first = mesh.vertices[v].face;
@@ -18,9 +18,14 @@ bool has_closed_fan(const CollapseMesh& mesh, int v) {
     }
     int f = first;
     for (int i = 0; i < degree; ++i) {
-        f = mesh.faces[f].neighbors[(mesh.corner_of(f, v) + 2) % 3];
-        if (f < 0 || f == first) {
-            return f == first && i + 1 == degree;
+        const int c = mesh.corner_of(f, v);
+        const int shared = mesh.faces[f].vertices[(c + 2) % 3];
+        f = mesh.faces[f].neighbors[(c + 2) % 3];
+        if (f < 0 || mesh.faces[f].vertices[(mesh.corner_of(f, v) + 1) % 3] != shared) {
+            return false;
+        }
+        if (f == first) {
+            return i + 1 == degree;
         }
     }
     return false;

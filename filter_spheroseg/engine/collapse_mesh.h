@@ -28,7 +28,8 @@ struct CollapseMesh {
 
     std::vector<Face> faces;
     std::vector<Vertex> vertices;
-    /// Vertices without one closed fan of at least three faces: never removed, never a target.
+    /// Vertices without one closed fan of at least three faces that are oriented alike: never
+    /// removed, never a target.
     std::vector<char> is_fixed;
 
     CollapseMesh(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count);

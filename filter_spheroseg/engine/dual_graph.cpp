@@ -81,8 +81,7 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
                 const int g = run[1].side / 3;
                 const int cf = run[0].side % 3;
                 const int cg = run[1].side % 3;
-                const bool opposite = mesh.faces[f][cf] != mesh.faces[g][cg];
-                if (f != g && opposite && mesh.faces[f][cf] != mesh.faces[f][(cf + 1) % 3]) {
+                if (f != g && mesh.faces[f][cf] != mesh.faces[f][(cf + 1) % 3]) {
                     graph.neighbors[f][cf] = g;
                     graph.neighbors[g][cg] = f;
                 }

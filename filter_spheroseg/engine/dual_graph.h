@@ -14,8 +14,8 @@ struct DualGraph {
     int face_count() const { return static_cast<int>(neighbors.size()); }
 };
 
-/// Builds the dual graph in O(F), in parallel. Of an edge with more than two faces, or with two
-/// faces that run along it in the same direction, no pair is joined (-1): `inspect` reports them.
+/// Builds the dual graph in O(F), in parallel. Two faces are joined across an edge when it has no
+/// third one, however they are oriented; of an edge with more faces no pair is joined (-1).
 /// Throws InvalidInput when a vertex index is out of range. The result does not depend on the
 /// number of threads.
 DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count = 0);

@@ -63,13 +63,14 @@ constexpr int kSphereIterations = 100;
 
 class FastSegmentation {
 public:
-    FastSegmentation(PreparedMesh& prepared,
+    FastSegmentation(Component& component,
+                     PreparedMesh* whole,
                      const SegmentOptions& options,
                      int submesh_count,
                      const Deadline& deadline,
                      const Progress& progress,
                      Segmentation& result)
-        : prepared_(prepared), options_(options), submesh_count_(submesh_count),
+        : component_(component), whole_(whole), options_(options), submesh_count_(submesh_count),
           deadline_(deadline), result_(result), budget_(budget_of(options.effort)) {
         if (progress) {
             // More starts than expected must not let it fall back.
@@ -82,8 +83,8 @@ public:
 
     void run() {
         const Deadline watch;
-        multilevel_ = &prepared_.multilevel(options_.thread_count, sub_progress(rising_, 0, 0.2));
-        result_.parametrization_seconds = watch.elapsed_seconds();
+        multilevel_ = &component_.multilevel(options_.thread_count, sub_progress(rising_, 0, 0.2));
+        result_.parametrization_seconds += watch.elapsed_seconds();
         const int wanted_starts = options_.effort == Effort::high ? kHighStarts : 1;
         std::int64_t least_cost = -1;
         for (int start = 0; start < kMaxStarts; ++start) {
@@ -110,17 +111,16 @@ public:
                 break;
             }
         }
-        result_.energy_by_iteration = result_.boundary_edges_by_iteration;
         result_.refinement_iterations =
             static_cast<int>(result_.seconds_by_iteration.size()) - result_.cohesion_iterations;
-        result_.time_limit_hit = deadline_.expired();
     }
 
 private:
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
     Patchwork first_labels(int start, int wanted_starts) {
-        const bool on_sphere = start == 1 && wanted_starts > 1 && submesh_count_ >= kManySubmeshes;
+        const bool on_sphere =
+            whole_ && start == 1 && wanted_starts > 1 && submesh_count_ >= kManySubmeshes;
         Patchwork patchwork = on_sphere ? sphere_start() : graph_start(start);
         forced_faces_ = repair(patchwork);
         return patchwork;
@@ -128,7 +128,7 @@ private:
 
     Patchwork graph_start(int start) {
         const Deadline watch;
-        const int face_count = prepared_.mesh().face_count();
+        const int face_count = component_.face_count();
         const auto wanted = static_cast<int>(std::min<std::int64_t>(
             face_count,
             std::max<std::int64_t>(kMinCoarseFaces,
@@ -145,8 +145,9 @@ private:
             AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
-            in_label_order(patchwork,
-                           [&](Patchwork& level) { relax(level, relaxations, options_.thread_count, cohesion); });
+            in_label_order(patchwork, [&](Patchwork& level) {
+                relax(level, relaxations, options_.thread_count, cohesion);
+            });
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);
         }
@@ -157,9 +158,8 @@ private:
     Patchwork sphere_start() {
         const Deadline map_watch;
         const std::vector<Vec3> centroids = face_centroids_on_sphere(
-            prepared_.mesh(),
-            prepared_
-                .parametrization(options_.thread_count, sub_progress(start_progress_, 0.2, 0.22))
+            whole_->mesh(),
+            whole_->parametrization(options_.thread_count, sub_progress(start_progress_, 0.2, 0.22))
                 .positions);
         result_.parametrization_seconds += map_watch.elapsed_seconds();
         const Deadline watch;
@@ -171,7 +171,7 @@ private:
         const SwapIterations cohesion = cohere_pairs(
             centroids, submesh_count_, limits, labels, sub_progress(start_progress_, 0.22, 0.25));
         result_.cohesion_iterations += cohesion.count();
-        Patchwork patchwork = multilevel_->coarsen(prepared_.mesh().face_count(), submesh_count_);
+        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
         multilevel_->set_labels(patchwork, labels);
         result_.cohesion_seconds += watch.elapsed_seconds();
         return patchwork;
@@ -200,7 +200,7 @@ private:
         schedule.temperature_end = 0.15;
         schedule.proposals_per_face = budget_.coarse_proposals;
         schedule.phase_count = budget_.coarse_phases;
-        const int face_count = prepared_.mesh().face_count();
+        const int face_count = component_.face_count();
         double done = 0.25;
         while (patchwork.face_count() < face_count) {
             set_balance(schedule, patchwork, 0.5, 1.5);
@@ -284,7 +284,8 @@ private:
         return control;
     }
 
-    PreparedMesh& prepared_;
+    Component& component_;
+    PreparedMesh* const whole_;
     const SegmentOptions& options_;
     const int submesh_count_;
     const Deadline& deadline_;
@@ -300,13 +301,14 @@ private:
 
 } // namespace
 
-void segment_fast(PreparedMesh& prepared,
-                  const SegmentOptions& options,
-                  int submesh_count,
-                  const Deadline& deadline,
-                  const Progress& progress,
-                  Segmentation& result) {
-    FastSegmentation(prepared, options, submesh_count, deadline, progress, result).run();
+void segment_component(Component& component,
+                       PreparedMesh* whole,
+                       const SegmentOptions& options,
+                       int submesh_count,
+                       const Deadline& deadline,
+                       const Progress& progress,
+                       Segmentation& result) {
+    FastSegmentation(component, whole, options, submesh_count, deadline, progress, result).run();
 }
 
 } // namespace spheroseg

@@ -34,8 +34,9 @@ struct CollapseHierarchy {
 /// parallel. Vertices are removed where the fewest input faces gather, so that the coarse faces
 /// stand for about the same number of input faces each, and the degrees stay small; a round removes
 /// about a quarter of the vertices. Positions are not used.
-/// On other meshes it ends where the link condition allows no more; vertices on open borders and
-/// non-manifold vertices are never removed. The result does not depend on the number of threads.
+/// On other meshes it ends where the link condition allows no more; vertices on open borders,
+/// non-manifold ones and those of edges whose faces run along them in the same direction are never
+/// removed. The result does not depend on the number of threads.
 /// Throws Cancelled.
 CollapseHierarchy build_hierarchy(const TriangleMesh& mesh,
                                   const DualGraph& dual_graph,

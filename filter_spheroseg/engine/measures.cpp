@@ -2,6 +2,7 @@
 #include "measures.h"
 
 #include "errors.h"
+#include "vertex_fans.h"
 
 #include <algorithm>
 #include <string>
@@ -25,87 +26,45 @@ void check_labels(const DualGraph& dual_graph, const std::vector<int>& labels, i
     }
 }
 
-/// Corners (3 * face + corner) of each vertex: corners[begin[v] .. begin[v + 1]).
-struct VertexCorners {
-    std::vector<int> begin;
-    std::vector<int> corners;
-};
-
-VertexCorners collect_corners(const TriangleMesh& mesh) {
-    VertexCorners result;
-    result.begin.assign(mesh.positions.size() + 1, 0);
-    for (const Triangle& face : mesh.faces) {
-        for (int v : face) {
-            ++result.begin[v + 1];
-        }
-    }
-    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        result.begin[v + 1] += result.begin[v];
-    }
-    result.corners.resize(3 * mesh.faces.size());
-    std::vector<int> fill(result.begin.begin(), result.begin.end() - 1);
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        for (int c = 0; c < 3; ++c) {
-            result.corners[fill[mesh.faces[f][c]]++] = 3 * f + c;
-        }
-    }
-    return result;
-}
-
-/// Per sub-mesh: fans over all its vertices, and vertices.
+/// Per sub-mesh: its fans over all vertices, and its vertices. Each fan of the mesh counts as a
+/// vertex of its own, so that a pinch of the input is no bowtie.
 struct FanCounts {
     std::vector<int> fans;
     std::vector<int> vertices;
 };
 
-/// The corner of the same vertex in the face across the side `side_offset` places after `corner`
-/// (0: the side that leaves the vertex, 2: the side that arrives), or -1 where the label changes.
-int turn(const TriangleMesh& mesh,
-         const DualGraph& dual_graph,
-         const std::vector<int>& labels,
-         int corner,
-         int side_offset) {
-    const int f = corner / 3;
-    const int c = corner % 3;
-    const int g = dual_graph.neighbors[f][(c + side_offset) % 3];
-    if (g < 0 || labels[g] != labels[f]) {
-        return -1;
-    }
-    const int v = mesh.faces[f][c];
-    const Triangle& face = mesh.faces[g];
-    return 3 * g + (face[0] == v ? 0 : face[1] == v ? 1 : 2);
-}
-
 FanCounts count_fans(const TriangleMesh& mesh,
                      const DualGraph& dual_graph,
                      const std::vector<int>& labels,
                      int submesh_count) {
-    const VertexCorners incidence = collect_corners(mesh);
     FanCounts counts;
     counts.fans.assign(submesh_count, 0);
     counts.vertices.assign(submesh_count, 0);
-    std::vector<int> last_vertex(submesh_count, -1);
-    std::vector<char> visited(incidence.corners.size(), 0);
-    for (int v = 0; v < mesh.vertex_count(); ++v) {
-        for (int i = incidence.begin[v]; i < incidence.begin[v + 1]; ++i) {
-            const int start = incidence.corners[i];
-            const int label = labels[start / 3];
-            if (last_vertex[label] != v) {
-                last_vertex[label] = v;
+    VertexFans fans(mesh, dual_graph);
+    VertexFans::Fan fan;
+    std::vector<int> last_fan(submesh_count, -1);
+    const int corner_count = 3 * mesh.face_count();
+    for (int corner = 0; corner < corner_count; ++corner) {
+        if (!fans.collect(corner, fan)) {
+            continue;
+        }
+        // Corners side by side with one label are one fan of that sub-mesh.
+        const int last_label = labels[fan.corners.back() / 3];
+        int previous = fan.closed ? last_label : -1;
+        bool changed = false;
+        for (int c : fan.corners) {
+            const int label = labels[c / 3];
+            if (label != previous) {
+                ++counts.fans[label];
+                changed = true;
+            }
+            if (last_fan[label] != corner) {
+                last_fan[label] = corner;
                 ++counts.vertices[label];
             }
-            if (visited[start]) {
-                continue;
-            }
-            ++counts.fans[label];
-            for (int side_offset : {2, 0}) {
-                int corner = start;
-                do {
-                    visited[corner] = 1;
-                    corner = turn(mesh, dual_graph, labels, corner, side_offset);
-                } while (corner >= 0 && !visited[corner]);
-            }
+            previous = label;
         }
+        counts.fans[last_label] += !changed;
     }
     return counts;
 }
@@ -214,9 +173,12 @@ Measures measure(const TriangleMesh& mesh,
         const int euler_characteristic = fans.vertices[s] - edge_count + triangles;
         result.bowtie_count += bowties;
         result.disconnected_submesh_count += components[s] > 1;
-        // Without bowties a connected sub-mesh is an oriented surface of genus g with b boundary
-        // loops and Euler characteristic 2 - 2g - b: 1 means g = 0 and b = 1.
-        result.disk_count += components[s] == 1 && bowties == 0 && euler_characteristic == 1;
+        // Without bowties a connected sub-mesh is a surface with b boundary loops and Euler
+        // characteristic 2 - 2g - b (handles) or 2 - g - b (crosscaps): with a boundary, 1 means
+        // g = 0 and b = 1.
+        const bool has_boundary = edges.inner_sides[s] < 3 * triangles;
+        result.disk_count +=
+            components[s] == 1 && bowties == 0 && euler_characteristic == 1 && has_boundary;
     }
     return result;
 }

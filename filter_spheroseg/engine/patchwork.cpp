@@ -52,31 +52,25 @@ bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward
     move.face_count = 0;
     move.weight = 0;
     int change = -1;
-    int current = face;
-    int at = forward ? kNext[corner] : corner;
-    const int vertex = patchwork.cells[face].vertex[at];
+    Step step =
+        forward ? Step{face, kNext[corner], kNext[corner]} : Step{face, corner, kPrevious[corner]};
     for (;;) {
         if (move.face_count == Move::kMaxFaces) {
             return false;
         }
-        const Cell& cell = patchwork.cells[current];
-        fan.corners[move.face_count] = at;
-        move.faces[move.face_count++] = current;
+        const Cell& cell = patchwork.cells[step.face];
+        fan.steps[move.face_count] = step;
+        move.faces[move.face_count++] = step.face;
         move.weight += cell.weight;
-        const int outside = patchwork.label_across(cell, kNext[at]);
+        const int outside = patchwork.label_across(cell, kNext[step.at]);
         change += (outside == label) - (outside == move.to);
-        const int next = cell.neighbor[forward ? at : kPrevious[at]];
+        const int next = cell.neighbor[step.exit];
         const int next_label = next < 0 ? -2 : patchwork.label(next);
         if (next_label != label) {
             change -= next_label == move.to;
             break;
         }
-        current = next;
-        at = corner_of(patchwork.cells[current], vertex);
-    }
-    if (forward) {
-        std::reverse(move.faces, move.faces + move.face_count);
-        std::reverse(fan.corners, fan.corners + move.face_count);
+        step = step_to(patchwork, step, next);
     }
     move.boundary_change = change;
     return true;
@@ -84,44 +78,42 @@ bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward
 
 bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
     const Move& move = fan.move;
-    const int last = move.face_count - 1;
-    const auto cell = [&](int i) -> const Cell& { return patchwork.cells[move.faces[i]]; };
     // What is left of `from` must touch the fan in one run of edges, whose inner vertices lie
     // inside `from`; `to` may touch a vertex of the ring only next to the fan. Where `to` touches
     // the fan in two runs it closes to a ring.
     int runs = 0;
     bool previous_from = false;
-    const bool begins_at_to = patchwork.label_across(cell(0), fan.corners[0]) == move.to;
-    bool previous_to = begins_at_to;
-    int to_runs = begins_at_to;
-    for (int i = 0; i <= last; ++i) {
-        const int corner = fan.corners[i];
-        const int outside = patchwork.label_across(cell(i), kNext[corner]);
+    bool previous_to = true;
+    int to_runs = 1;
+    for (int i = 0; i < move.face_count; ++i) {
+        const Step& step = fan.steps[i];
+        const int outside = patchwork.label_across(patchwork.cells[step.face], kNext[step.at]);
         const bool touches_from = outside == move.from;
         const bool touches_to = outside == move.to;
         if (touches_from && !previous_from && ++runs > 1) {
             return false;
         }
         if (touches_from && previous_from &&
-            !all_label_around(patchwork, move.faces[i], kNext[corner], move.from)) {
+            !all_label_around(patchwork, step.face, step.from(), move.from)) {
             return false;
         }
         if (!touches_to && !previous_to && !(touches_from && previous_from) &&
-            !no_label_around(patchwork, move.faces[i], kNext[corner], move.to)) {
+            !no_label_around(patchwork, step.face, step.from(), move.to)) {
             return false;
         }
         to_runs += touches_to && !previous_to;
         previous_from = touches_from;
         previous_to = touches_to;
     }
-    const int end = fan.corners[last];
-    const bool ends_at_to = patchwork.label_across(cell(last), kPrevious[end]) == move.to;
+    const Step& last = fan.steps[move.face_count - 1];
+    const bool ends_at_to =
+        patchwork.label_across(patchwork.cells[last.face], last.exit) == move.to;
     if (!previous_to && !ends_at_to &&
-        !no_label_around(patchwork, move.faces[last], kPrevious[end], move.to)) {
+        !no_label_around(patchwork, last.face, last.to(), move.to)) {
         return false;
     }
     // All around the centre of the fan, the last run goes over into the first one.
-    to_runs += (ends_at_to && !previous_to) - (ends_at_to && begins_at_to);
+    to_runs -= ends_at_to && previous_to;
     return runs == 1 && (to_runs == 1 || patchwork.may_close_rings);
 }
 

@@ -52,45 +52,54 @@ inline int corner_of(const Cell& cell, int vertex) {
     return (cell.vertex[1] == vertex) + 2 * (cell.vertex[2] == vertex);
 }
 
+/// A face around a vertex, as a walk from face to face meets it: the corner of the vertex, and the
+/// side across which the walk goes on, one of the two at that corner. Needs no common orientation
+/// of the faces.
+struct Step {
+    int face;
+    int at;
+    int exit;
+
+    /// The corners at the far ends of the sides across which the walk came and goes on.
+    int from() const { return exit == at ? kPrevious[at] : kNext[at]; }
+    int to() const { return exit == at ? kNext[at] : exit; }
+};
+
+/// The step across `step.exit` to `next`, the face there.
+inline Step step_to(const Patchwork& patchwork, const Step& step, int next) {
+    const Cell& left = patchwork.cells[step.face];
+    const Cell& entered = patchwork.cells[next];
+    const int at = corner_of(entered, left.vertex[step.at]);
+    const bool along = entered.vertex[kNext[at]] != left.vertex[step.to()];
+    return {next, at, along ? at : kPrevious[at]};
+}
+
 /// Calls `visit(face)` for the faces around the vertex at `corner` of `face`, without `face`
 /// itself, until it answers false. Returns false when it did, or when `stop_at_border` and the
 /// vertex lies on an open border.
 template <typename Visit>
 bool walk_around(
     const Patchwork& patchwork, int face, int corner, bool stop_at_border, Visit visit) {
-    const int vertex = patchwork.cells[face].vertex[corner];
-    int current = face;
-    int at = corner;
-    for (;;) {
-        const int next = patchwork.cells[current].neighbor[at];
-        if (next == face) {
-            return true;
+    for (int exit : {corner, kPrevious[corner]}) {
+        Step step{face, corner, exit};
+        for (;;) {
+            const int next = patchwork.cells[step.face].neighbor[step.exit];
+            if (next == face) {
+                return true;
+            }
+            if (next < 0) {
+                break;
+            }
+            if (!visit(next)) {
+                return false;
+            }
+            step = step_to(patchwork, step, next);
         }
-        if (next < 0) {
-            break;
-        }
-        if (!visit(next)) {
+        if (stop_at_border) {
             return false;
         }
-        current = next;
-        at = corner_of(patchwork.cells[current], vertex);
     }
-    if (stop_at_border) {
-        return false;
-    }
-    current = face;
-    at = corner;
-    for (;;) {
-        const int next = patchwork.cells[current].neighbor[kPrevious[at]];
-        if (next < 0) {
-            return true;
-        }
-        if (!visit(next)) {
-            return false;
-        }
-        current = next;
-        at = corner_of(patchwork.cells[current], vertex);
-    }
+    return true;
 }
 
 /// No face around the vertex, other than `face`, has `label`.
@@ -135,7 +144,8 @@ bool single_is_allowed(const Patchwork& patchwork, int face, int corner, const M
 /// there is the same label or none, or too many faces.
 struct Fan {
     Move move;
-    int corners[Move::kMaxFaces];
+    /// How a walk that begins at the edge meets the faces.
+    Step steps[Move::kMaxFaces];
 };
 bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward, Fan& fan);
 bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan);

@@ -3,8 +3,8 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "component_segmentation.h"
 #include "device_swaps.h"
-#include "fast_segmentation.h"
 
 #include <algorithm>
 #include <utility>
@@ -123,11 +123,28 @@ const CollapseHierarchy& PreparedMesh::hierarchy(int thread_count, const Progres
     return *hierarchy_;
 }
 
-const Multilevel& PreparedMesh::multilevel(int thread_count, const Progress& progress) {
-    if (!multilevel_) {
-        multilevel_.emplace(hierarchy(thread_count, progress), mesh_.face_count());
+std::vector<Component>& PreparedMesh::components(int thread_count, const Progress& progress) {
+    if (!components_.empty()) {
+        return components_;
     }
-    return *multilevel_;
+    if (report_.component_count == 1 && report_.inconsistent_edge_count == 0) {
+        components_.emplace_back(mesh_.face_count(), hierarchy(thread_count, progress));
+        return components_;
+    }
+    std::vector<std::vector<int>> faces = faces_of_components(dual_graph_);
+    std::vector<int> local_index(mesh_.face_count());
+    for (const std::vector<int>& component : faces) {
+        for (std::size_t i = 0; i < component.size(); ++i) {
+            local_index[component[i]] = static_cast<int>(i);
+        }
+    }
+    std::vector<Component> components;
+    components.reserve(faces.size());
+    for (std::vector<int>& component : faces) {
+        components.emplace_back(mesh_, dual_graph_, std::move(component), local_index);
+    }
+    components_ = std::move(components);
+    return components_;
 }
 
 const Parametrization& PreparedMesh::parametrization(int thread_count,
@@ -165,7 +182,9 @@ int requested_submesh_count(const SegmentOptions& options, int face_count) {
 }
 
 void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
-    const std::string defect = closed_genus_zero_error(mesh.report());
+    const std::string defect = options.method == Method::fast
+        ? surface_error(mesh.report())
+        : closed_genus_zero_error(mesh.report());
     if (!defect.empty()) {
         throw InvalidInput(defect);
     }
@@ -181,6 +200,9 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
                              "] (the mesh has " + std::to_string(face_count) + " faces), found " +
                              std::to_string(submesh_count) +
                              ". Ask for fewer sub-meshes, or set triangles_per_submesh.");
+    }
+    if (options.method == Method::fast && submesh_count < mesh.report().component_count) {
+        throw InvalidInput(too_many_components_error(mesh.report(), submesh_count));
     }
     if (options.device == Device::cuda) {
         cuda::open_swap_device();
@@ -198,6 +220,8 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
     report_progress(progress, 0.0, "Parametrization");
     const int submesh_count = requested_submesh_count(options, mesh.mesh().face_count());
     Segmentation result;
+    result.component_count = mesh.report().component_count;
+    result.best_max_triangle_count_difference = mesh.mesh().face_count() % submesh_count != 0;
     switch (options.method) {
     case Method::fast:
         segment_fast(mesh, options, submesh_count, deadline, progress, result);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "component.h"
 #include "measures.h"
-#include "multilevel.h"
 #include "parametrization.h"
 #include "validity.h"
 
@@ -42,6 +42,10 @@ struct Segmentation {
     Measures measures;
     /// `all_pairs`: the measures between cohesion and refinement.
     Measures measures_after_cohesion;
+    /// Edge-connected components of the mesh.
+    int component_count = 0;
+    /// The least MTCD that the sizes of the components allow (1 or 0 when there is one).
+    int best_max_triangle_count_difference = 0;
     int cohesion_iterations = 0;
     int refinement_iterations = 0;
     double parametrization_seconds = 0.0;
@@ -50,14 +54,21 @@ struct Segmentation {
     double total_seconds = 0.0;
     bool time_limit_hit = false;
     bool used_cuda = false;
+    /// As balanced as the components allow, nothing empty, all connected, no bowtie.
+    bool is_valid() const {
+        return measures.max_triangle_count_difference <= best_max_triangle_count_difference &&
+            measures.min_submesh_triangles >= 1 && measures.disconnected_submesh_count == 0 &&
+            measures.bowtie_count == 0;
+    }
     /// One entry per iteration: cohesion, then refinement.
+    /// Of several components, as if each did its n-th iteration at the same time.
     std::vector<double> boundary_edges_by_iteration;
     std::vector<double> seconds_by_iteration;
     /// Cohesion: sum of chord distances; refinement: sum of Eq. 1 (all_pairs) or boundary edges.
     std::vector<double> energy_by_iteration;
 };
 
-/// A mesh with all that does not depend on k: dual graph, report, hierarchy and parametrization,
+/// A mesh with all that does not depend on k: dual graph, report, components, parametrization,
 /// each built on first use and kept, so that a second segmentation costs less.
 class PreparedMesh {
 public:
@@ -68,8 +79,8 @@ public:
     const DualGraph& dual_graph() const { return dual_graph_; }
     const MeshReport& report() const { return report_; }
     const CollapseHierarchy& hierarchy(int thread_count = 0, const Progress& progress = {});
-    /// Coarse versions of the mesh, for `fast`.
-    const Multilevel& multilevel(int thread_count = 0, const Progress& progress = {});
+    /// The edge-connected components, for `fast`.
+    std::vector<Component>& components(int thread_count = 0, const Progress& progress = {});
     const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
     /// Uses a map made before; returns false and changes nothing when it is not valid.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
@@ -78,21 +89,26 @@ private:
     TriangleMesh mesh_;
     DualGraph dual_graph_;
     MeshReport report_;
-    std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for multilevel_
-    std::optional<Multilevel> multilevel_;
+    std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for components_
+    std::vector<Component> components_;
     std::optional<Parametrization> parametrization_;
 };
 
 /// k that `options` ask for on a mesh of `face_count` faces.
 int requested_submesh_count(const SegmentOptions& options, int face_count);
 
-/// Throws InvalidInput or InvalidOptions; the only place that checks.
+/// Throws InvalidInput or InvalidOptions; the only place that checks. `fast` takes any mesh whose
+/// edges have one or two faces each, with as many sub-meshes as components or more; `all_pairs` one
+/// closed, consistently oriented, manifold component of genus 0.
 void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 
-/// Cuts the mesh into k sub-meshes whose triangle counts differ by at most one.
-/// `fast`: each is also one edge-connected piece without bowties; if that could not be reached, the
-/// measures say so. Depends on connectivity, options and seed, never on coordinates or threads.
-/// `all_pairs`: the paper word for word; pieces and bowties may remain.
+/// Cuts the mesh into k sub-meshes.
+/// `fast`: each is one edge-connected piece without bowties, inside one component; triangle counts
+/// differ as little as the sizes of the components allow (`share_submeshes`), by one at most when
+/// there is one component. If that could not be reached, the measures say so. Depends on
+/// connectivity, options and seed, never on coordinates or threads.
+/// `all_pairs`: the paper word for word: triangle counts differ by at most one; pieces and bowties
+/// may remain.
 /// Throws InvalidInput, InvalidOptions, Cancelled, DeviceError, OutOfMemory; the prepared mesh
 /// stays usable after any of them.
 Segmentation

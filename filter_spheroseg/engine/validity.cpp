@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validity.h"
 
+#include "vertex_fans.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -30,7 +32,7 @@ private:
     std::vector<int> parent_;
 };
 
-/// A side that the dual graph joins to nothing: of an open, over-full or inconsistent edge.
+/// A side that the dual graph joins to nothing: of an open or over-full edge.
 struct LooseSide {
     int lower_vertex;
     int upper_vertex;
@@ -43,6 +45,12 @@ struct LooseSide {
 
 bool is_degenerate(const Triangle& face) {
     return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
+}
+
+/// True when the face has an edge from vertex a to vertex b, in this direction.
+bool runs_along(const Triangle& face, int a, int b) {
+    return (face[0] == a && face[1] == b) || (face[1] == a && face[2] == b) ||
+        (face[2] == a && face[0] == b);
 }
 
 void note(int& count, int& first, int index) {
@@ -63,7 +71,7 @@ public:
         examine_faces();
         examine_vertices();
         collect_loose_sides();
-        trace_fans();
+        number_fans();
         label_components();
         examine_loose_edges();
         count_duplicates();
@@ -108,8 +116,12 @@ private:
         for (int f = 0; f < mesh_.face_count(); ++f) {
             const Triangle& face = mesh_.faces[f];
             for (int c = 0; c < 3; ++c) {
-                if (dual_graph_.neighbors[f][c] >= 0) {
+                const int g = dual_graph_.neighbors[f][c];
+                if (g >= 0) {
                     ++joined_sides;
+                    if (f < g && runs_along(mesh_.faces[g], face[c], face[(c + 1) % 3])) {
+                        note(report_.inconsistent_edge_count, report_.first_inconsistent_face, f);
+                    }
                 } else if (!is_degenerate(face)) {
                     const auto [lower, upper] = std::minmax(face[c], face[(c + 1) % 3]);
                     loose_sides_.push_back({lower, upper, 3 * f + c});
@@ -130,23 +142,19 @@ private:
     }
 
     /// Numbers the fans that the dual graph joins around each vertex.
-    void trace_fans() {
+    void number_fans() {
         fan_of_corner_.assign(3 * mesh_.faces.size(), -1);
         extra_fans_.assign(mesh_.positions.size(), -1);
+        VertexFans fans(mesh_, dual_graph_);
+        VertexFans::Fan fan;
         for (int start = 0; start < static_cast<int>(fan_of_corner_.size()); ++start) {
-            if (fan_of_corner_[start] >= 0 || is_degenerate(mesh_.faces[start / 3])) {
+            if (is_degenerate(mesh_.faces[start / 3]) || !fans.collect(start, fan)) {
                 continue;
             }
-            const int v = mesh_.faces[start / 3][start % 3];
-            ++extra_fans_[v];
-            for (int side_offset : {2, 0}) {
-                int corner = start;
-                do {
-                    fan_of_corner_[corner] = fan_count_;
-                    const int g = dual_graph_.neighbors[corner / 3][(corner % 3 + side_offset) % 3];
-                    corner = g >= 0 ? corner_of(g, v) : -1;
-                } while (corner >= 0 && fan_of_corner_[corner] < 0);
+            for (int corner : fan.corners) {
+                fan_of_corner_[corner] = fan_count_;
             }
+            ++extra_fans_[mesh_.faces[start / 3][start % 3]];
             ++fan_count_;
         }
     }
@@ -182,8 +190,12 @@ private:
             const auto same = [&](const LooseSide& s) { return s.same_edge(*run); };
             const auto run_end = std::find_if_not(run, loose_sides_.end(), same);
             ++report_.edge_count;
-            classify_edge(*run, run[run_end - run - 1], static_cast<int>(run_end - run));
             const int face = run->side / 3;
+            if (run_end - run == 1) {
+                note(report_.boundary_edge_count, report_.first_boundary_face, face);
+            } else if (run_end - run > 2) {
+                note(report_.non_manifold_edge_count, report_.first_non_manifold_face, face);
+            }
             for (auto other = run + 1; other != run_end; ++other) {
                 const int other_face = other->side / 3;
                 joined_component_count_ -=
@@ -194,18 +206,6 @@ private:
                 }
             }
             run = run_end;
-        }
-    }
-
-    void classify_edge(const LooseSide& first, const LooseSide& last, int side_count) {
-        const int face = first.side / 3;
-        const auto start = [&](const LooseSide& s) { return mesh_.faces[s.side / 3][s.side % 3]; };
-        if (side_count == 1) {
-            note(report_.boundary_edge_count, report_.first_boundary_face, face);
-        } else if (side_count > 2) {
-            note(report_.non_manifold_edge_count, report_.first_non_manifold_face, face);
-        } else if (start(first) == start(last)) {
-            note(report_.inconsistent_edge_count, report_.first_inconsistent_face, face);
         }
     }
 
@@ -276,8 +276,8 @@ std::string first_vertex(int vertex) {
     return " (first: vertex " + std::to_string(vertex) + ")";
 }
 
-/// What is wrong and what to do; the worst first.
-std::string describe_defect(const MeshReport& r) {
+/// What keeps the faces from making surfaces, and what to do; the worst first.
+std::string describe_dirt(const MeshReport& r) {
     if (r.face_count == 0) {
         return "no faces. Load a triangle mesh, or make one from a point cloud with \"Surface "
                "Reconstruction: Screened Poisson\".";
@@ -292,15 +292,24 @@ std::string describe_defect(const MeshReport& r) {
             " a vertex twice" + first_face(r.first_degenerate_face) +
             ". Apply \"Remove Zero Area Faces\".";
     }
-    if (r.duplicate_face_count > 0) {
+    if (r.non_manifold_edge_count > 0 && r.duplicate_face_count > 0) {
         return counted(r.duplicate_face_count, "face", "faces") +
             " with the same vertices as an earlier face" + first_face(r.first_duplicate_face) +
             ". Apply \"Remove Duplicate Faces\".";
     }
     if (r.non_manifold_edge_count > 0) {
         return counted(r.non_manifold_edge_count, "edge", "edges") + " with more than two faces" +
-            first_face(r.first_non_manifold_face) +
-            ". Apply \"Repair non Manifold Edges\", then \"Close Holes\".";
+            first_face(r.first_non_manifold_face) + ". Apply \"Repair non Manifold Edges\".";
+    }
+    return {};
+}
+
+/// What keeps surfaces from being one closed one of genus 0, and what to do; the worst first.
+std::string describe_shape(const MeshReport& r) {
+    if (r.duplicate_face_count > 0) {
+        return counted(r.duplicate_face_count, "face", "faces") +
+            " with the same vertices as an earlier face" + first_face(r.first_duplicate_face) +
+            ". Apply \"Remove Duplicate Faces\".";
     }
     if (r.inconsistent_edge_count > 0) {
         return counted(r.inconsistent_edge_count, "edge", "edges") +
@@ -324,8 +333,7 @@ std::string describe_defect(const MeshReport& r) {
     }
     return "genus " + std::to_string(r.genus) + " (Euler characteristic " +
         std::to_string(r.euler_characteristic) +
-        ", expected 2). Cut or fill the handles and apply \"Close Holes\", or rebuild the surface "
-        "with \"Alpha Wrap\" and a radius larger than the holes.";
+        ", expected 2). Cut or fill the handles and apply \"Close Holes\".";
 }
 
 } // namespace
@@ -345,8 +353,31 @@ std::string closed_genus_zero_error(const MeshReport& report) {
     if (report.is_closed_genus_zero()) {
         return {};
     }
+    const std::string dirt = describe_dirt(report);
+    if (!dirt.empty()) {
+        return "Expected one closed, consistently oriented, manifold surface of genus 0; found " +
+            dirt;
+    }
     return "Expected one closed, consistently oriented, manifold surface of genus 0; found " +
-        describe_defect(report);
+        describe_shape(report) + " A segmentation with method \"fast\" takes this mesh as it is.";
+}
+
+std::string surface_error(const MeshReport& report) {
+    const std::string dirt = describe_dirt(report);
+    return dirt.empty()
+        ? dirt
+        : "Expected triangles that meet along edges of two faces at most; found " + dirt;
+}
+
+std::string too_many_components_error(const MeshReport& report, int submesh_count) {
+    const std::string found = report.component_count == report.face_count && report.face_count > 1
+        ? "a triangle soup: none of the " + std::to_string(report.face_count) +
+            " faces shares an edge with another"
+        : std::to_string(report.component_count) + " components";
+    return "Expected at most as many components as sub-meshes (" + std::to_string(submesh_count) +
+        "), since each sub-mesh is connected; found " + found +
+        ". Apply \"Merge Close Vertices\" if vertices are doubled and \"Remove Isolated pieces "
+        "(wrt Face Num.)\" to drop small components, or ask for more sub-meshes.";
 }
 
 } // namespace spheroseg

@@ -53,4 +53,12 @@ MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int th
 /// which MeshLab filter mends it.
 std::string closed_genus_zero_error(const MeshReport& report);
 
+/// Empty when the faces make surfaces: at least one face, finite coordinates, three different
+/// vertices in every face, and no edge with more than two faces. Open borders, handles, several
+/// components, pinched vertices and any orientation are fine. Else a message as above.
+std::string surface_error(const MeshReport& report);
+
+/// The message for fewer sub-meshes than components.
+std::string too_many_components_error(const MeshReport& report, int submesh_count);
+
 } // namespace spheroseg

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Balanced, connected, bowtie-free segmentation of closed genus-0 triangle meshes.
+"""Balanced, connected, bowtie-free segmentation of triangle meshes.
 
 Importing the package loads the SpheroSeg plugin into PyMeshLab and binds its filters as methods of
 `pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays.

@@ -67,10 +67,12 @@ def segment(
 ) -> Segmentation:
     """Cuts a mesh into sub-meshes whose triangle counts differ by at most one.
 
-    vertices: (V, 3) finite numbers. faces: (F, 3) integers in [0, V), counter-clockwise seen from
-    outside; together one closed, oriented, two-manifold surface of genus 0. Vertices that no face
-    names are allowed.
-    submesh_count: k, in [1, F]; by default 200, or fewer for meshes under 2,000 faces.
+    vertices: (V, 3) finite numbers. faces: (F, 3) integers in [0, V), three different ones each.
+    No edge may have more than two faces; holes, handles and several components are fine (their
+    sizes then limit how little the counts can differ). The method all_pairs needs one closed,
+    oriented, two-manifold component of genus 0. Vertices that no face names are allowed.
+    submesh_count: k, from the number of components to F; by default 200, or fewer for meshes under
+    2,000 faces.
     options: triangles_per_submesh (k = ceil(F / value) instead), method, effort, device, seed,
     thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds; names,
     meanings and defaults are those of the filter.

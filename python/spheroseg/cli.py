@@ -63,7 +63,7 @@ class _CommandParser(_OneLineParser):
 def build_parser() -> argparse.ArgumentParser:
     parser = _OneLineParser(
         prog="spheroseg",
-        description="Cuts closed genus-0 triangle meshes into connected sub-meshes whose triangle "
+        description="Cuts triangle meshes into connected sub-meshes whose triangle "
         "counts differ by at most one.",
         epilog="Exit codes: 0 done, 1 a part of a batch failed, 2 bad usage or bad input.",
     )

@@ -100,12 +100,15 @@ def large_mesh(tmp_path) -> Path:
 
 
 @pytest.fixture
-def open_mesh(tmp_path, small_mesh) -> Path:
-    """The small mesh with one triangle missing."""
+def finned_mesh(tmp_path, small_mesh) -> Path:
+    """The small mesh with a third triangle on one edge."""
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(small_mesh))
     mesh = meshes.current_mesh()
-    meshes.add_mesh(pymeshlab.Mesh(mesh.vertex_matrix(), mesh.face_matrix()[1:]))
-    path = tmp_path / "open.ply"
+    vertices, faces = mesh.vertex_matrix(), mesh.face_matrix()
+    fin = [*faces[0][:2], len(vertices)]
+    tip = 2 * vertices[faces[0][0]]
+    meshes.add_mesh(pymeshlab.Mesh(np.vstack([vertices, tip]), np.vstack([faces, fin])))
+    path = tmp_path / "fin.ply"
     meshes.save_current_mesh(str(path))
     return path

@@ -148,17 +148,17 @@ def test_preview_shows_the_colours_and_takes_them_back(meshlab, cow):
     assert meshlab.is_running()
 
 
-def test_an_open_mesh_gives_a_dialog_and_meshlab_goes_on(meshlab, open_mesh, cow):
-    meshlab.start(open_mesh)
+def test_an_edge_of_three_faces_gives_a_dialog_and_meshlab_goes_on(meshlab, finned_mesh, cow):
+    meshlab.start(finned_mesh)
     dialog = meshlab.open_filter(SEGMENTATION)
     dialog.press_apply()
     meshlab.wait_for_window(FAILURE)
     meshlab.screenshot("error")
     meshlab.dismiss(FAILURE)
-    meshlab.wait_for_log("failed: .*3 open border edges")
+    meshlab.wait_for_log("failed: .*1 edge with more than two faces")
     dialog.close()
     # Repaired by MeshLab's own filter, the same mesh is segmented.
-    repair = meshlab.open_filter("Close Holes")
+    repair = meshlab.open_filter("Repair non Manifold Edges")
     repair.apply()
     repair.close()
     assert "Applied filter" in meshlab.open_filter(SEGMENTATION).apply()

@@ -27,20 +27,10 @@ def changed_row(array, row, value):
 
 
 BAD_MESHES = {
-    "one face": (VERTICES, FACES[:1], "open border"),
-    "open boundary": (VERTICES, FACES[1:], "3 open border edges"),
-    "genus one": (*torus(), "genus 1"),
-    "several components": (*two_octahedra(shared_vertex=False), "2 components"),
-    "touching in a vertex": (*two_octahedra(shared_vertex=True), "separate fans"),
     "an edge with three faces": (
         np.vstack([VERTICES, [[2.0, 2.0, 2.0]]]),
         np.vstack([FACES, [[0, 2, 6]]]),
         "more than two faces",
-    ),
-    "a face the wrong way round": (
-        VERTICES,
-        changed_row(FACES, 0, FACES[0, ::-1]),
-        "opposite orientation",
     ),
     "a face with a vertex twice": (
         VERTICES,
@@ -52,15 +42,44 @@ BAD_MESHES = {
     "an infinite coordinate": (changed_row(VERTICES, 1, np.inf), FACES, "infinite"),
 }
 
+# Surfaces that can be cut, but not be mapped to the sphere.
+NOT_SPHERES = {
+    "one face": (VERTICES, FACES[:1], "open border"),
+    "open boundary": (VERTICES, FACES[1:], "3 open border edges"),
+    "genus one": (*torus(), "genus 1"),
+    "several components": (*two_octahedra(shared_vertex=False), "2 components"),
+    "touching in a vertex": (*two_octahedra(shared_vertex=True), "separate fans"),
+    "a face the wrong way round": (
+        VERTICES,
+        changed_row(FACES, 0, FACES[0, ::-1]),
+        "opposite orientation",
+    ),
+}
+
 
 @pytest.mark.parametrize("name", [SEGMENTATION, PARAMETRIZATION])
 @pytest.mark.parametrize(("vertices", "faces", "message"), BAD_MESHES.values(), ids=BAD_MESHES)
-def test_rejects_a_mesh_that_is_not_closed_manifold_genus_zero(name, vertices, faces, message):
+def test_rejects_faces_that_make_no_surface(name, vertices, faces, message):
     mesh_set = document(vertices, faces)
     before = state(mesh_set)
     with pytest.raises(pymeshlab.PyMeshLabException, match=message):
         mesh_set.apply_filter(name)
     assert state(mesh_set) == before
+
+
+@pytest.mark.parametrize(("vertices", "faces", "message"), NOT_SPHERES.values(), ids=NOT_SPHERES)
+def test_only_fast_takes_a_surface_that_is_no_sphere(vertices, faces, message):
+    mesh_set = document(vertices, faces)
+    before = state(mesh_set)
+    for name, options in ((PARAMETRIZATION, {}), (SEGMENTATION, {"method": "all_pairs"})):
+        with pytest.raises(pymeshlab.PyMeshLabException, match=f"{message}.*fast.* takes"):
+            mesh_set.apply_filter(name, **options)
+        assert state(mesh_set) == before
+    count = min(4, len(faces))
+    report = mesh_set.apply_filter(SEGMENTATION, submesh_count=count)
+    assert report["max_triangle_count_difference"] <= 1
+    assert report["disconnected_submesh_count"] == 0
+    assert report["bowtie_count"] == 0
 
 
 @pytest.mark.parametrize("name", [SEGMENTATION, PARAMETRIZATION])
@@ -109,7 +128,7 @@ def test_an_error_keeps_the_labels_of_an_earlier_run():
 
 
 def test_a_call_after_an_error_works():
-    broken = document(VERTICES, FACES[1:])
+    broken = document(VERTICES, np.vstack([FACES, FACES[:1]]))
     good, fresh = ellipsoid(2), ellipsoid(2)
     fresh.apply_filter(SEGMENTATION, submesh_count=6)
     for bad in (lambda: broken.apply_filter(SEGMENTATION), lambda: broken.apply_filter("none")):

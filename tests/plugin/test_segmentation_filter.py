@@ -30,6 +30,8 @@ SEGMENTATION_KEYS = MEASURE_KEYS | {
     "triangle_count",
     "min_submesh_triangles",
     "max_submesh_triangles",
+    "component_count",
+    "best_max_triangle_count_difference",
     "cohesion_iterations",
     "refinement_iterations",
     "parametrization_seconds",

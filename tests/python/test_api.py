@@ -190,13 +190,38 @@ BAD_ARRAYS = {
     "half index": (lambda v, f: (v, replaced(f, (0, 1), 1.5)), r"\(0, 1\) is 1.5"),
     "NaN index": (lambda v, f: (v, replaced(f, (0, 1), np.nan)), r"\(0, 1\) is nan"),
     "no faces": (lambda v, f: (v, f[:0]), r"not have Any Faces"),
+    "face twice": (lambda v, f: (v, np.vstack([f, f[:1]])), r"(?i)duplicate|non-manifold"),
+    "corner twice": (lambda v, f: (v, np.vstack([f, [[0, 0, 1]]])), r"(?i)degenerate|twice"),
+}
+
+
+NOT_SPHERES = {
     "one face": (lambda v, f: (v, f[:1]), r"open border"),
     "hole": (lambda v, f: (v, f[1:]), r"3 open border edges"),
     "turned face": (lambda v, f: (v, np.vstack([f[:1, ::-1], f[1:]])), r"(?i)orient"),
-    "face twice": (lambda v, f: (v, np.vstack([f, f[:1]])), r"(?i)duplicate|non-manifold"),
-    "corner twice": (lambda v, f: (v, np.vstack([f, [[0, 0, 1]]])), r"(?i)degenerate|twice"),
     "two pieces": (lambda v, f: (np.vstack([v, v + 3]), np.vstack([f, f + 8])), r"2 .*component"),
 }
+
+
+@pytest.mark.parametrize("case", NOT_SPHERES)
+def test_fast_cuts_surfaces_that_have_no_map_to_the_sphere(cube, case):
+    change, message = NOT_SPHERES[case]
+    with pytest.raises(spheroseg.InputError, match=message):
+        spheroseg.parametrize(*change(*cube))
+    count = 1 if case == "one face" else 3
+    result = segment(change(*cube), count)
+    assert set(result.labels) == set(range(count))
+    assert (
+        result.measures["max_triangle_count_difference"]
+        == (result.measures["best_max_triangle_count_difference"])
+    )
+    assert result.measures["component_count"] == (2 if case == "two pieces" else 1)
+
+
+def test_more_pieces_than_submeshes_are_refused(cube):
+    vertices, faces = cube
+    with pytest.raises(spheroseg.InputError, match=r"\(1\).*2 components.*Merge Close Vertices"):
+        segment((np.vstack([vertices, vertices + 3]), np.vstack([faces, faces + 8])), 1)
 
 
 @pytest.mark.parametrize("case", BAD_ARRAYS)

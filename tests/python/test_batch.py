@@ -34,13 +34,14 @@ def write_mesh(path: Path, seed: int = 0, levels: int = 2) -> None:
 
 @pytest.fixture(scope="module")
 def folder_of_meshes(tmp_path_factory) -> Path:
-    """Sixty closed meshes and three broken ones: no mesh file, an open one, a truncated one."""
+    """Sixty closed meshes and three broken ones: no mesh file, one with a fin, a truncated one."""
     folder = tmp_path_factory.mktemp("meshes")
     for index in range(GOOD):
         write_mesh(folder / f"part{index % 4}" / f"mesh{index:02d}.ply", seed=index)
     (folder / "part0" / "nonsense.ply").write_text("no mesh")
     vertices, faces = octahedron()
-    (folder / "part1" / "open.ply").write_bytes(ply_bytes(vertices, faces[:-1]))
+    finned = np.vstack([vertices, [[3.0, 3.0, 3.0]]]), np.vstack([faces, [[*faces[0][:2], 6]]])
+    (folder / "part1" / "fin.ply").write_bytes(ply_bytes(*finned))
     whole = ply_bytes(*bumpy_sphere(2, 0))
     (folder / "part2" / "cut.ply").write_bytes(whole[: len(whole) // 2])
     return folder
@@ -91,7 +92,7 @@ def test_broken_meshes_cost_one_line_each_and_the_others_are_done(undisturbed):
     output, complained = undisturbed
     lines = complained.strip().splitlines()
     assert len(lines) == BROKEN
-    assert [name in complained for name in ("nonsense.ply", "open.ply", "cut.ply")] == [True] * 3
+    assert [name in complained for name in ("nonsense.ply", "fin.ply", "cut.ply")] == [True] * 3
     status = [row["status"] for row in rows(output)]
     assert (status.count("done"), status.count("failed")) == (GOOD, BROKEN)
     assert all(row["error"] for row in rows(output) if row["status"] == "failed")
@@ -243,7 +244,7 @@ def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, 
     distributed = pytest.importorskip("distributed")
     address_file = tmp_path / "scheduler.json"
     output = tmp_path / "out"
-    part = folder_of_meshes / "part1"  # fifteen good meshes and the open one
+    part = folder_of_meshes / "part1"  # fifteen good meshes and the one with a fin
     worker = ("worker", "--scheduler-file", address_file, "--nthreads", 1, "--no-dashboard")
     scheduler = ("scheduler", "--port", 0, "--scheduler-file", address_file, "--no-dashboard")
     with dask(*scheduler), dask(*worker) as first, dask(*worker):

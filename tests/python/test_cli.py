@@ -212,7 +212,7 @@ BAD_CALLS = {
     "corner twice": (["segment", "twice.obj"], "1 of its 13 faces can not be used"),
     "missing vertex": (["segment", "index.obj"], "1 of its 13 faces can not be used"),
     "no faces": (["segment", "points.obj"], "has no faces"),
-    "hole": (["segment", "hole.obj"], "3 open border edges"),
+    "hole": (["segment", "hole.obj", "--method", "all_pairs"], "3 open border edges"),
     "hole, sphere": (["parametrize", "hole.obj", "-o", "s.ply"], "3 open border edges"),
     "output name": (["segment", CUBE, "-o", "o.txt"], "must end in .ply"),
     "output folder": (["segment", CUBE, "-o", "no/o.ply"], "there is no folder"),
@@ -254,6 +254,7 @@ def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     hole = tmp_path / "hole.obj"
     hole.write_text(BAD_FILES["hole.obj"])
     outputs = [tmp_path / name for name in ("o.ply", "l.npy", "m.json")]
-    code, *_ = run("segment", hole, "-o", outputs[0], "--labels", outputs[1], "--json", outputs[2])
+    names = ("-o", outputs[0], "--labels", outputs[1], "--json", outputs[2])
+    code, *_ = run("segment", hole, "--method", "all_pairs", *names)
     assert code == 2
     assert not any(path.exists() for path in outputs)

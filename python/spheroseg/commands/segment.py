@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cuts a closed genus-0 mesh into balanced sub-meshes and writes the labels.
+"""Cuts a mesh into balanced sub-meshes and writes the labels.
 
 OUT.ply keeps the mesh's faces in their order; each face has its label as quality and a colour.
 LABELS hold one whole number per triangle, in the order of the file.

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "component.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace spheroseg {
+
+Component::Component(const TriangleMesh& mesh,
+                     const DualGraph& dual_graph,
+                     std::vector<int> faces,
+                     const std::vector<int>& local_index)
+    : face_count_(static_cast<int>(faces.size())), faces_(std::move(faces)) {
+    std::vector<int> vertices;
+    vertices.reserve(3 * faces_.size());
+    for (int f : faces_) {
+        vertices.insert(vertices.end(), mesh.faces[f].begin(), mesh.faces[f].end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    mesh_.positions.resize(vertices.size());
+    mesh_.faces.reserve(faces_.size());
+    dual_graph_.neighbors.reserve(faces_.size());
+    for (int f : faces_) {
+        Triangle triangle;
+        std::array<int, 3> neighbors;
+        for (int c = 0; c < 3; ++c) {
+            triangle[c] = static_cast<int>(
+                std::lower_bound(vertices.begin(), vertices.end(), mesh.faces[f][c]) -
+                vertices.begin());
+            const int g = dual_graph.neighbors[f][c];
+            neighbors[c] = g < 0 ? -1 : local_index[g];
+        }
+        mesh_.faces.push_back(triangle);
+        dual_graph_.neighbors.push_back(neighbors);
+    }
+    orient_alike(mesh_, dual_graph_);
+}
+
+Component::Component(int face_count, const CollapseHierarchy& hierarchy)
+    : face_count_(face_count), multilevel_(std::in_place, hierarchy, face_count) {}
+
+const Multilevel& Component::multilevel(int thread_count, const Progress& progress) {
+    if (!multilevel_) {
+        hierarchy_ = std::make_unique<CollapseHierarchy>(
+            build_hierarchy(mesh_, dual_graph_, thread_count, progress));
+        multilevel_.emplace(*hierarchy_, face_count_);
+    }
+    return *multilevel_;
+}
+
+std::vector<std::vector<int>> faces_of_components(const DualGraph& dual_graph) {
+    const int face_count = dual_graph.face_count();
+    std::vector<int> component_of(face_count, -1);
+    std::vector<int> queue;
+    int component_count = 0;
+    for (int start = 0; start < face_count; ++start) {
+        if (component_of[start] >= 0) {
+            continue;
+        }
+        component_of[start] = component_count;
+        queue.assign(1, start);
+        while (!queue.empty()) {
+            const int face = queue.back();
+            queue.pop_back();
+            for (int neighbor : dual_graph.neighbors[face]) {
+                if (neighbor >= 0 && component_of[neighbor] < 0) {
+                    component_of[neighbor] = component_count;
+                    queue.push_back(neighbor);
+                }
+            }
+        }
+        ++component_count;
+    }
+    std::vector<std::vector<int>> components(component_count);
+    for (int f = 0; f < face_count; ++f) {
+        components[component_of[f]].push_back(f);
+    }
+    return components;
+}
+
+void orient_alike(TriangleMesh& mesh, DualGraph& dual_graph) {
+    std::vector<std::uint8_t> seen(mesh.faces.size(), 0);
+    std::vector<int> queue;
+    for (int start = 0; start < mesh.face_count(); ++start) {
+        if (seen[start]) {
+            continue;
+        }
+        seen[start] = 1;
+        queue.assign(1, start);
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const int f = queue[head];
+            for (int c = 0; c < 3; ++c) {
+                const int g = dual_graph.neighbors[f][c];
+                if (g < 0 || seen[g]) {
+                    continue;
+                }
+                seen[g] = 1;
+                queue.push_back(g);
+                Triangle& face = mesh.faces[g];
+                const int from = mesh.faces[f][c];
+                const int at = face[0] == from ? 0 : face[1] == from ? 1 : 2;
+                if (face[(at + 1) % 3] == mesh.faces[f][(c + 1) % 3]) {
+                    std::swap(face[1], face[2]);
+                    std::swap(dual_graph.neighbors[g][0], dual_graph.neighbors[g][2]);
+                }
+            }
+        }
+    }
+}
+
+} // namespace spheroseg

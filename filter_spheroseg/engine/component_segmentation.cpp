@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "component_segmentation.h"
+
+#include "fast_segmentation.h"
+#include "shares.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <numeric>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+/// Smaller components are worked on side by side, one thread each.
+constexpr int kLargeComponent = 16384;
+
+/// Component after component, each with its share of the sub-meshes.
+class ComponentWise {
+public:
+    ComponentWise(PreparedMesh& prepared,
+                  const SegmentOptions& options,
+                  const Deadline& deadline,
+                  const Progress& progress,
+                  Segmentation& result)
+        : prepared_(prepared), options_(options), deadline_(deadline), progress_(progress),
+          result_(result) {}
+
+    void run(int submesh_count) {
+        const Deadline watch;
+        components_ = &prepared_.components(options_.thread_count, sub_progress(progress_, 0, 0.2));
+        const double preparation = watch.elapsed_seconds();
+        std::vector<int> face_counts;
+        for (const Component& component : *components_) {
+            face_counts.push_back(component.face_count());
+        }
+        Shares shares = share_submeshes(face_counts, submesh_count);
+        result_.best_max_triangle_count_difference = shares.max_triangle_count_difference;
+        submesh_counts_ = std::move(shares.submesh_counts);
+        first_label_.assign(submesh_counts_.size(), 0);
+        std::partial_sum(
+            submesh_counts_.begin(), submesh_counts_.end() - 1, first_label_.begin() + 1);
+        result_.labels.resize(prepared_.mesh().face_count());
+
+        std::vector<int> small;
+        const auto component_count = static_cast<int>(components_->size());
+        for (int i = 0; i < component_count; ++i) {
+            if (face_counts[i] < kLargeComponent && component_count > 1) {
+                small.push_back(i);
+                continue;
+            }
+            const double begin = done();
+            done_faces_ += face_counts[i];
+            segment_one(i,
+                        options_,
+                        component_count > 1 ? sub_progress(progress_, begin, done()) : progress_);
+        }
+        segment_small(small);
+        result_.parametrization_seconds += preparation;
+        result_.energy_by_iteration = result_.boundary_edges_by_iteration;
+        result_.time_limit_hit = deadline_.expired();
+    }
+
+private:
+    double done() const {
+        return static_cast<double>(done_faces_.load()) / prepared_.mesh().face_count();
+    }
+
+    void segment_small(const std::vector<int>& small) {
+        SegmentOptions options = options_;
+        options.thread_count = 1;
+        const int threads = resolve_thread_count(options_.thread_count);
+        const auto count = static_cast<int>(small.size());
+        std::exception_ptr failure;
+        std::atomic<bool> stopped{false};
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (count > 1)
+        for (int i = 0; i < count; ++i) {
+            if (stopped) {
+                continue;
+            }
+            try {
+                // Progress is reported by the calling thread only.
+                if (omp_get_thread_num() == 0) {
+                    report_progress(progress_, done(), "Components");
+                }
+                segment_one(small[i], options, {});
+                done_faces_ += (*components_)[small[i]].face_count();
+            } catch (...) {
+                stopped = true;
+#pragma omp critical(spheroseg_component_failure)
+                failure = std::current_exception();
+            }
+        }
+        if (failure) {
+            std::rethrow_exception(failure);
+        }
+    }
+
+    void segment_one(int i, const SegmentOptions& options, const Progress& progress) {
+        Component& component = (*components_)[i];
+        Segmentation part;
+        if (submesh_counts_[i] == 1) {
+            part.labels.assign(component.face_count(), 0);
+        } else {
+            const bool is_sphere = prepared_.report().is_closed_genus_zero();
+            segment_component(component,
+                              is_sphere ? &prepared_ : nullptr,
+                              options,
+                              submesh_counts_[i],
+                              deadline_,
+                              progress,
+                              part);
+        }
+        for (int f = 0; f < component.face_count(); ++f) {
+            result_.labels[component.mesh_face(f)] = first_label_[i] + part.labels[f];
+        }
+#pragma omp critical(spheroseg_component_result)
+        add_iterations(part);
+    }
+
+    /// The n-th iterations of all components count as one; a component that has ended keeps its
+    /// last number of boundary edges.
+    void add_iterations(const Segmentation& part) {
+        result_.parametrization_seconds += part.parametrization_seconds;
+        result_.cohesion_seconds += part.cohesion_seconds;
+        result_.refinement_seconds += part.refinement_seconds;
+        const int cohesion = std::max(result_.cohesion_iterations, part.cohesion_iterations);
+        const int refinement = std::max(result_.refinement_iterations, part.refinement_iterations);
+        std::vector<double> edges(cohesion + refinement, 0.0);
+        std::vector<double> seconds(edges.size(), 0.0);
+        for (const Segmentation* from : {&static_cast<const Segmentation&>(result_), &part}) {
+            const auto count = static_cast<int>(from->seconds_by_iteration.size());
+            for (int n = 0; n < static_cast<int>(edges.size()) && count > 0; ++n) {
+                const bool is_cohesion = n < cohesion;
+                const int own = is_cohesion ? n : from->cohesion_iterations + n - cohesion;
+                const int end = is_cohesion ? from->cohesion_iterations : count;
+                const int last = std::clamp(std::min(own, end - 1), 0, count - 1);
+                edges[n] += from->boundary_edges_by_iteration[last];
+                seconds[n] += own < end ? from->seconds_by_iteration[own] : 0.0;
+            }
+        }
+        result_.boundary_edges_by_iteration = std::move(edges);
+        result_.seconds_by_iteration = std::move(seconds);
+        result_.cohesion_iterations = cohesion;
+        result_.refinement_iterations = refinement;
+    }
+
+    PreparedMesh& prepared_;
+    const SegmentOptions& options_;
+    const Deadline& deadline_;
+    const Progress& progress_;
+    Segmentation& result_;
+    std::vector<Component>* components_ = nullptr;
+    std::vector<int> submesh_counts_;
+    std::vector<int> first_label_;
+    std::atomic<int> done_faces_{0};
+};
+
+} // namespace
+
+void segment_fast(PreparedMesh& prepared,
+                  const SegmentOptions& options,
+                  int submesh_count,
+                  const Deadline& deadline,
+                  const Progress& progress,
+                  Segmentation& result) {
+    ComponentWise(prepared, options, deadline, progress, result).run(submesh_count);
+}
+
+} // namespace spheroseg

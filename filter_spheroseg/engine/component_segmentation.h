@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "segment.h"
+
+namespace spheroseg {
+
+/// The method `fast`: shares the sub-meshes among the components (share_submeshes) and segments
+/// each component on its own: large ones one after the other on all threads, small ones side by
+/// side. Labels are numbered component after component. Fills labels, iterations and times of
+/// `result`; the labels do not depend on the number of threads.
+void segment_fast(PreparedMesh& prepared,
+                  const SegmentOptions& options,
+                  int submesh_count,
+                  const Deadline& deadline,
+                  const Progress& progress,
+                  Segmentation& result);
+
+} // namespace spheroseg

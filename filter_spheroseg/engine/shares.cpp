@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shares.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+int ceil_divide(int a, int b) {
+    return a / b + (a % b != 0);
+}
+
+/// Bounds of the triangle counts of all sub-meshes. A component of n faces keeps within them when
+/// it gets ceil(n / most) to floor(n / least) sub-meshes.
+struct Bounds {
+    int least;
+    int most;
+};
+
+class Sharing {
+public:
+    Sharing(const std::vector<int>& face_counts, int submesh_count)
+        : face_counts_(face_counts), submesh_count_(submesh_count) {}
+
+    Shares run() {
+        const Bounds best = best_bounds();
+        Shares shares;
+        shares.max_triangle_count_difference = best.most - best.least;
+        shares.submesh_counts.reserve(face_counts_.size());
+        int given = 0;
+        for (int n : face_counts_) {
+            shares.submesh_counts.push_back(ceil_divide(n, best.most));
+            given += shares.submesh_counts.back();
+        }
+        give_rest(best, submesh_count_ - given, shares.submesh_counts);
+        return shares;
+    }
+
+private:
+    Bounds best_bounds() const {
+        const int smallest = *std::min_element(face_counts_.begin(), face_counts_.end());
+        const std::int64_t face_count =
+            std::accumulate(face_counts_.begin(), face_counts_.end(), std::int64_t{0});
+        const auto mean = static_cast<int>(face_count / submesh_count_);
+        Bounds best{0, *std::max_element(face_counts_.begin(), face_counts_.end())};
+        // Some sub-mesh has the mean or more.
+        for (int least = std::min(smallest, mean);
+             least > 0 && mean - least <= best.most - best.least;
+             --least) {
+            if (most_submeshes(least) < submesh_count_) {
+                continue;
+            }
+            const int most = least_bound_above(least);
+            const int change = (most - least) - (best.most - best.least);
+            if (change < 0 || (change == 0 && most < best.most)) {
+                best = {least, most};
+            }
+        }
+        return best;
+    }
+
+    std::int64_t most_submeshes(int least) const {
+        std::int64_t sum = 0;
+        for (int n : face_counts_) {
+            sum += n / least;
+        }
+        return sum;
+    }
+
+    /// The smallest upper bound that goes with `least`.
+    int least_bound_above(int least) const {
+        int most = least;
+        for (int n : face_counts_) {
+            most = std::max(most, ceil_divide(n, n / least));
+        }
+        int end = *std::max_element(face_counts_.begin(), face_counts_.end());
+        while (most < end) {
+            const int middle = most + (end - most) / 2;
+            if (fewest_submeshes(middle) <= submesh_count_) {
+                end = middle;
+            } else {
+                most = middle + 1;
+            }
+        }
+        return most;
+    }
+
+    std::int64_t fewest_submeshes(int most) const {
+        std::int64_t sum = 0;
+        for (int n : face_counts_) {
+            sum += ceil_divide(n, most);
+        }
+        return sum;
+    }
+
+    /// Gives the rest one by one where the sum of squares falls most: it is convex in each share.
+    void give_rest(const Bounds& bounds, int rest, std::vector<int>& shares) const {
+        using Candidate = std::pair<double, int>;
+        std::priority_queue<Candidate> queue;
+        const auto offer = [&](int i) {
+            if (shares[i] < face_counts_[i] / bounds.least) {
+                const double gain = sum_of_squares(face_counts_[i], shares[i]) -
+                    sum_of_squares(face_counts_[i], shares[i] + 1);
+                queue.emplace(gain, -i);
+            }
+        };
+        for (int i = 0; i < static_cast<int>(shares.size()); ++i) {
+            offer(i);
+        }
+        for (; rest > 0; --rest) {
+            const int i = -queue.top().second;
+            queue.pop();
+            ++shares[i];
+            offer(i);
+        }
+    }
+
+    /// Of the counts of n faces in `parts` parts that differ by at most one. Exact in a double.
+    static double sum_of_squares(int n, int parts) {
+        const double small = n / parts;
+        const double large_parts = n % parts;
+        return parts * small * small + large_parts * (2.0 * small + 1.0);
+    }
+
+    const std::vector<int>& face_counts_;
+    const int submesh_count_;
+};
+
+} // namespace
+
+Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count) {
+    return Sharing(face_counts, submesh_count).run();
+}
+
+} // namespace spheroseg

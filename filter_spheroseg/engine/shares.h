@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+namespace spheroseg {
+
+/// How many sub-meshes each component of a mesh gets.
+struct Shares {
+    /// At least 1 and at most the component's face count each; their sum is k.
+    std::vector<int> submesh_counts;
+    /// Largest minus smallest triangle count when each component is parted as evenly as its count
+    /// allows: no other shares make it smaller.
+    int max_triangle_count_difference = 0;
+};
+
+/// Shares `submesh_count` sub-meshes among components of `face_counts` faces so that the largest
+/// and the smallest sub-mesh differ least; of such shares it takes those with the least largest
+/// sub-mesh, and then the least sum of squared counts. Requires
+/// face_counts.size() <= submesh_count <= sum of face_counts and every face count > 0.
+/// O(m c log F) for c components, m at most the smallest face count or F / k, mostly far fewer.
+Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count);
+
+} // namespace spheroseg

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "dual_graph.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+/// The fans of a mesh: the faces around a vertex that the dual graph joins. A manifold vertex has
+/// one; where an input is pinched, a vertex has several. Needs no common orientation of the faces.
+class VertexFans {
+public:
+    VertexFans(const TriangleMesh& mesh, const DualGraph& dual_graph)
+        : mesh_(mesh), dual_graph_(dual_graph), visited_(3 * mesh.faces.size(), 0) {}
+
+    /// The corners (3 * face + corner) of one fan in the order in which they lie side by side.
+    struct Fan {
+        std::vector<int> corners;
+        /// The last one lies beside the first one too.
+        bool closed = false;
+    };
+
+    /// Collects the fan of a corner into `fan`; false when it was collected before. O(its size).
+    bool collect(int corner, Fan& fan) {
+        if (visited_[corner]) {
+            return false;
+        }
+        fan.corners.assign(1, corner);
+        visited_[corner] = 1;
+        fan.closed = follow(corner, corner % 3, fan.corners);
+        if (!fan.closed) {
+            std::reverse(fan.corners.begin(), fan.corners.end());
+            follow(corner, (corner % 3 + 2) % 3, fan.corners);
+        }
+        return true;
+    }
+
+private:
+    /// Appends the corners beyond the side `exit` of a corner's face; true when they lead back.
+    bool follow(int corner, int exit, std::vector<int>& corners) {
+        const int start = corner;
+        const int vertex = mesh_.faces[corner / 3][corner % 3];
+        for (;;) {
+            const int face = corner / 3;
+            const int next = dual_graph_.neighbors[face][exit];
+            if (next < 0) {
+                return false;
+            }
+            const int far = mesh_.faces[face][exit == corner % 3 ? (exit + 1) % 3 : exit];
+            const Triangle& entered = mesh_.faces[next];
+            const int at = entered[0] == vertex ? 0 : entered[1] == vertex ? 1 : 2;
+            corner = 3 * next + at;
+            if (visited_[corner]) {
+                return corner == start;
+            }
+            visited_[corner] = 1;
+            corners.push_back(corner);
+            exit = entered[(at + 1) % 3] == far ? (at + 2) % 3 : at;
+        }
+    }
+
+    const TriangleMesh& mesh_;
+    const DualGraph& dual_graph_;
+    std::vector<std::uint8_t> visited_;
+};
+
+} // namespace spheroseg

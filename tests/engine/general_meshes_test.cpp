@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "segment.h"
+
+#include "random.h"
+
+#include "test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+enum class Wrap { none, plain, flipped };
+
+/// A grid of width x height squares, each of two triangles, closed along x and y or not: a plane, a
+/// cylinder, a Moebius band, a torus or a Klein bottle.
+TriangleMesh band(int width, int height, Wrap x_wrap, bool y_wrap) {
+    const int columns = width + (x_wrap == Wrap::none);
+    const int rows = height + !y_wrap;
+    TriangleMesh mesh;
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < columns; ++x) {
+            mesh.positions.push_back({1.0 * x, 1.0 * y, 0.1 * x * y});
+        }
+    }
+    const auto vertex = [&](int x, int y) {
+        if (x == columns && x_wrap == Wrap::flipped) {
+            y = height - y;
+        }
+        return (y % rows) * columns + x % columns;
+    };
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const int a = vertex(x, y);
+            const int b = vertex(x + 1, y);
+            const int c = vertex(x + 1, y + 1);
+            const int d = vertex(x, y + 1);
+            mesh.faces.push_back({a, b, c});
+            mesh.faces.push_back({a, c, d});
+        }
+    }
+    return mesh;
+}
+
+TriangleMesh without_some_faces(TriangleMesh mesh, int removed, std::uint64_t seed) {
+    Random random(seed);
+    for (int i = 0; i < removed; ++i) {
+        mesh.faces.erase(mesh.faces.begin() + random.below(mesh.face_count()));
+    }
+    return mesh;
+}
+
+TriangleMesh turned_at_random(TriangleMesh mesh, std::uint64_t seed) {
+    Random random(seed);
+    for (Triangle& face : mesh.faces) {
+        if (random.below(2)) {
+            std::swap(face[0], face[1]);
+        }
+    }
+    return mesh;
+}
+
+void append(TriangleMesh& mesh, const TriangleMesh& other) {
+    const int first = mesh.vertex_count();
+    mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+    for (const Triangle& face : other.faces) {
+        mesh.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
+    }
+}
+
+/// Spheres in a row, each sharing one vertex with the next one.
+TriangleMesh pinched_spheres(int count, int level) {
+    TriangleMesh mesh = icosphere(level);
+    const int size = mesh.vertex_count();
+    for (int i = 1; i < count; ++i) {
+        append(mesh, icosphere(level));
+        const int from = i * size;
+        const int to = (i - 1) * size + 7;
+        for (Triangle& face : mesh.faces) {
+            std::replace(face.begin(), face.end(), from, to);
+        }
+    }
+    return mesh;
+}
+
+/// An open fan around one vertex.
+TriangleMesh open_fan(int valence) {
+    TriangleMesh mesh;
+    mesh.positions.assign(valence + 2, {0, 0, 0});
+    for (int i = 0; i < valence; ++i) {
+        mesh.positions[i + 1] = {std::cos(6.28 * i / valence), std::sin(6.28 * i / valence), 0.0};
+        mesh.faces.push_back({0, i + 1, i + 2});
+    }
+    return mesh;
+}
+
+/// Judges a labelling from vertices and edges alone, without the dual graph of the engine.
+struct Judgement {
+    int least = 1 << 30;
+    int most = 0;
+    int pieces_too_many = 0;
+    int bowties = 0;
+    int boundary_edges = 0;
+};
+
+class Judge {
+public:
+    Judge(const TriangleMesh& mesh, const std::vector<int>& labels) : mesh_(mesh), labels_(labels) {
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            for (int c = 0; c < 3; ++c) {
+                faces_of_edge_[edge(f, c)].push_back(f);
+            }
+        }
+    }
+
+    Judgement run(int submesh_count) {
+        Judgement result;
+        std::vector<int> counts(submesh_count, 0);
+        for (int label : labels_) {
+            ++counts[label];
+        }
+        result.least = *std::min_element(counts.begin(), counts.end());
+        result.most = *std::max_element(counts.begin(), counts.end());
+        for (const auto& [edge, faces] : faces_of_edge_) {
+            result.boundary_edges += faces.size() == 2 && labels_[faces[0]] != labels_[faces[1]];
+        }
+        std::vector<int> all(mesh_.face_count());
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            all[f] = f;
+        }
+        result.pieces_too_many = count_pieces(all, true, -1) - submesh_count;
+        std::map<int, std::vector<int>> faces_of_vertex;
+        for (int f = 0; f < mesh_.face_count(); ++f) {
+            for (int v : mesh_.faces[f]) {
+                faces_of_vertex[v].push_back(f);
+            }
+        }
+        for (const auto& [v, faces] : faces_of_vertex) {
+            result.bowties += bowties_at(v, faces);
+        }
+        return result;
+    }
+
+private:
+    using Edge = std::pair<int, int>;
+
+    Edge edge(int f, int c) const {
+        return std::minmax({mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]});
+    }
+
+    /// Fans of sub-meshes, less the different labels in each fan of the whole mesh.
+    int bowties_at(int v, const std::vector<int>& faces) {
+        const int fans = count_pieces(faces, true, v);
+        std::vector<int> fan_of = pieces(faces, false, v);
+        std::set<std::pair<int, int>> labels;
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            labels.insert({fan_of[i], labels_[faces[i]]});
+        }
+        return fans - static_cast<int>(labels.size());
+    }
+
+    int count_pieces(const std::vector<int>& faces, bool by_label, int around) {
+        const std::vector<int> piece_of = pieces(faces, by_label, around);
+        return piece_of.empty() ? 0 : 1 + *std::max_element(piece_of.begin(), piece_of.end());
+    }
+
+    /// Pieces of faces joined by edges (that hold the vertex `around`, unless that is -1).
+    std::vector<int> pieces(const std::vector<int>& faces, bool by_label, int around) {
+        std::map<int, int> place;
+        for (std::size_t i = 0; i < faces.size(); ++i) {
+            place[faces[i]] = static_cast<int>(i);
+        }
+        std::vector<int> piece_of(faces.size(), -1);
+        int count = 0;
+        for (std::size_t start = 0; start < faces.size(); ++start) {
+            if (piece_of[start] >= 0) {
+                continue;
+            }
+            std::vector<int> stack(1, static_cast<int>(start));
+            piece_of[start] = count;
+            while (!stack.empty()) {
+                const int f = faces[stack.back()];
+                stack.pop_back();
+                for (int c = 0; c < 3; ++c) {
+                    const Edge e = edge(f, c);
+                    const std::vector<int>& both = faces_of_edge_[e];
+                    if (both.size() != 2 ||
+                        (around >= 0 && e.first != around && e.second != around)) {
+                        continue;
+                    }
+                    const int g = both[0] == f ? both[1] : both[0];
+                    const auto found = place.find(g);
+                    if (found != place.end() && piece_of[found->second] < 0 &&
+                        (!by_label || labels_[f] == labels_[g])) {
+                        piece_of[found->second] = count;
+                        stack.push_back(found->second);
+                    }
+                }
+            }
+            ++count;
+        }
+        return piece_of;
+    }
+
+    const TriangleMesh& mesh_;
+    const std::vector<int>& labels_;
+    std::map<Edge, std::vector<int>> faces_of_edge_;
+};
+
+struct GeneralMesh {
+    const char* name;
+    TriangleMesh mesh;
+};
+
+std::vector<GeneralMesh> general_meshes() {
+    TriangleMesh spheres;
+    for (int i = 0; i < 12; ++i) {
+        append(spheres, icosphere(i % 4));
+    }
+    append(spheres, band(20, 8, Wrap::none, false));
+    return {
+        {"plane", band(30, 20, Wrap::none, false)},
+        {"cylinder", band(40, 15, Wrap::plain, false)},
+        {"Moebius band", band(60, 9, Wrap::flipped, false)},
+        {"torus", band(30, 20, Wrap::plain, true)},
+        {"Klein bottle", band(32, 20, Wrap::flipped, true)},
+        {"strip one square wide", band(300, 1, Wrap::none, false)},
+        {"plane with holes", without_some_faces(band(40, 40, Wrap::none, false), 60, 3)},
+        {"sphere with holes", without_some_faces(icosphere(4), 40, 4)},
+        {"sphere turned at random", turned_at_random(icosphere(4), 5)},
+        {"Klein bottle turned at random", turned_at_random(band(32, 20, Wrap::flipped, true), 6)},
+        {"spheres of different sizes and a plane", spheres},
+        {"pinched spheres", pinched_spheres(4, 3)},
+        {"open fan", open_fan(500)}};
+}
+
+TEST(General, EveryKindIsCutIntoValidSubmeshes) {
+    for (const auto& [name, mesh] : general_meshes()) {
+        PreparedMesh prepared(mesh, 2);
+        for (int k : {2, 7, 50, mesh.face_count() / 64, mesh.face_count() / 7}) {
+            if (k < std::max(1, prepared.report().component_count)) {
+                continue;
+            }
+            for (Effort effort : {Effort::draft, Effort::standard}) {
+                SegmentOptions options;
+                options.submesh_count = k;
+                options.effort = effort;
+                const Segmentation result = segment(prepared, options);
+                const Judgement judged = Judge(mesh, result.labels).run(k);
+                SCOPED_TRACE(std::string(name) + ", k = " + std::to_string(k));
+                EXPECT_EQ(judged.most - judged.least, result.best_max_triangle_count_difference);
+                EXPECT_GE(judged.least, 1);
+                EXPECT_EQ(judged.pieces_too_many, 0);
+                EXPECT_EQ(judged.bowties, 0);
+                EXPECT_TRUE(result.is_valid());
+                EXPECT_EQ(judged.boundary_edges, result.measures.boundary_edge_count);
+                EXPECT_EQ(result.component_count, prepared.report().component_count);
+            }
+        }
+    }
+}
+
+TEST(General, LabelsDoNotDependOnThreads) {
+    for (const auto& [name, mesh] : general_meshes()) {
+        SegmentOptions options;
+        options.submesh_count = 40;
+        std::vector<int> reference;
+        for (int threads : {1, 2, 5}) {
+            options.thread_count = threads;
+            PreparedMesh prepared(mesh, threads);
+            const std::vector<int> labels = segment(prepared, options).labels;
+            if (reference.empty()) {
+                reference = labels;
+            }
+            EXPECT_EQ(labels, reference) << name << ", " << threads << " threads";
+        }
+    }
+}
+
+TEST(General, MeasuresAgreeWithTheJudgeOnRandomLabels) {
+    Random random(9);
+    for (const auto& [name, mesh] : general_meshes()) {
+        std::vector<int> labels(mesh.face_count());
+        for (int& label : labels) {
+            label = static_cast<int>(random.below(5));
+        }
+        const Measures measures = measure(mesh, build_dual_graph(mesh), labels, 5);
+        const Judgement judged = Judge(mesh, labels).run(5);
+        EXPECT_EQ(measures.bowtie_count, judged.bowties) << name;
+        EXPECT_EQ(measures.boundary_edge_count, judged.boundary_edges) << name;
+    }
+}
+
+TEST(General, TurningFacesDoesNotChangeWhatIsPossible) {
+    const TriangleMesh torus = band(30, 20, Wrap::plain, true);
+    TriangleMesh turned = turned_at_random(torus, 1);
+    DualGraph graph = build_dual_graph(turned);
+    orient_alike(turned, graph);
+    const MeshReport report = inspect(turned, graph);
+    EXPECT_EQ(report.inconsistent_edge_count, 0);
+    EXPECT_EQ(report.genus, 1);
+    EXPECT_EQ(graph.neighbors, build_dual_graph(turned).neighbors);
+
+    TriangleMesh klein = band(32, 20, Wrap::flipped, true);
+    DualGraph klein_graph = build_dual_graph(klein);
+    orient_alike(klein, klein_graph);
+    EXPECT_GT(inspect(klein, klein_graph).inconsistent_edge_count, 0);
+    EXPECT_EQ(klein_graph.neighbors, build_dual_graph(klein).neighbors);
+}
+
+TEST(General, MoreComponentsThanSubmeshesAreRefused) {
+    TriangleMesh spheres;
+    for (int i = 0; i < 5; ++i) {
+        append(spheres, icosphere(1));
+    }
+    PreparedMesh prepared(spheres);
+    SegmentOptions options;
+    options.submesh_count = 4;
+    try {
+        segment(prepared, options);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        const std::string message = error.what();
+        EXPECT_NE(message.find("5 components"), std::string::npos) << message;
+        EXPECT_NE(message.find("(4)"), std::string::npos) << message;
+        EXPECT_NE(message.find("\"Merge Close Vertices\""), std::string::npos) << message;
+        EXPECT_NE(message.find("\"Remove Isolated pieces"), std::string::npos) << message;
+    }
+    options.submesh_count = 5;
+    EXPECT_EQ(segment(prepared, options).measures.boundary_edge_count, 0);
+}
+
+TEST(General, ASoupIsNamed) {
+    TriangleMesh soup;
+    for (int i = 0; i < 30; ++i) {
+        append(soup, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+    }
+    PreparedMesh prepared(soup);
+    SegmentOptions options;
+    options.submesh_count = 10;
+    try {
+        segment(prepared, options);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        EXPECT_NE(std::string(error.what()).find("triangle soup"), std::string::npos);
+    }
+    options.submesh_count = 30;
+    EXPECT_TRUE(segment(prepared, options).is_valid());
+}
+
+TEST(General, WhatCanNotBeBalancedIsMeasuredTruthfully) {
+    // A triangle with a triangle on each side: two halves of two faces can not both be connected.
+    const TriangleMesh star = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                               {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
+    PreparedMesh prepared(star);
+    SegmentOptions options;
+    options.submesh_count = 2;
+    const Segmentation result = segment(prepared, options);
+    EXPECT_FALSE(result.is_valid());
+    EXPECT_EQ(result.best_max_triangle_count_difference, 0);
+    EXPECT_EQ(result.measures.max_triangle_count_difference, 2);
+    EXPECT_EQ(result.measures.disconnected_submesh_count, 0);
+}
+
+TEST(General, IterationsOfComponentsAddUp) {
+    TriangleMesh spheres = icosphere(3);
+    append(spheres, icosphere(4));
+    PreparedMesh prepared(spheres);
+    SegmentOptions options;
+    options.submesh_count = 40;
+    const Segmentation result = segment(prepared, options);
+    const auto count =
+        static_cast<std::size_t>(result.cohesion_iterations + result.refinement_iterations);
+    ASSERT_EQ(result.boundary_edges_by_iteration.size(), count);
+    EXPECT_EQ(result.seconds_by_iteration.size(), count);
+    EXPECT_EQ(result.boundary_edges_by_iteration.back(), result.measures.boundary_edge_count);
+}
+
+} // namespace
+} // namespace spheroseg
