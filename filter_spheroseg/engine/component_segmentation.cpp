@@ -2,12 +2,13 @@
 #include "component_segmentation.h"
 
 #include "fast_segmentation.h"
+#include "parallel_failure.h"
 #include "shares.h"
 #include "threads.h"
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
+#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -74,28 +75,30 @@ private:
         options.thread_count = 1;
         const int threads = resolve_thread_count(options_.thread_count);
         const auto count = static_cast<int>(small.size());
-        std::exception_ptr failure;
+        ParallelFailure failure;
         std::atomic<bool> stopped{false};
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (count > 1)
         for (int i = 0; i < count; ++i) {
-            if (stopped) {
-                continue;
-            }
-            try {
-                // Progress is reported by the calling thread only.
-                if (omp_get_thread_num() == 0) {
-                    report_progress(progress_, done(), "Components");
+            failure.guard([&] {
+                if (!stopped) {
+                    segment_next(small[i], options, stopped);
                 }
-                segment_one(small[i], options, {});
-                done_faces_ += (*components_)[small[i]].face_count();
-            } catch (...) {
-                stopped = true;
-#pragma omp critical(spheroseg_component_failure)
-                failure = std::current_exception();
-            }
+            });
         }
-        if (failure) {
-            std::rethrow_exception(failure);
+        failure.rethrow();
+    }
+
+    /// Progress is reported by the calling thread only. Nothing more is begun after a failure.
+    void segment_next(int i, const SegmentOptions& options, std::atomic<bool>& stopped) {
+        try {
+            if (omp_get_thread_num() == 0) {
+                report_progress(progress_, done(), "Components");
+            }
+            segment_one(i, options, {});
+            done_faces_ += (*components_)[i].face_count();
+        } catch (...) {
+            stopped = true;
+            throw;
         }
     }
 
@@ -117,7 +120,7 @@ private:
         for (int f = 0; f < component.face_count(); ++f) {
             result_.labels[component.mesh_face(f)] = first_label_[i] + part.labels[f];
         }
-#pragma omp critical(spheroseg_component_result)
+        const std::lock_guard<std::mutex> lock(result_mutex_);
         add_iterations(part);
     }
 
@@ -157,6 +160,7 @@ private:
     std::vector<int> submesh_counts_;
     std::vector<int> first_label_;
     std::atomic<int> done_faces_{0};
+    std::mutex result_mutex_;
 };
 
 } // namespace

@@ -108,8 +108,7 @@ bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
     const Step& last = fan.steps[move.face_count - 1];
     const bool ends_at_to =
         patchwork.label_across(patchwork.cells[last.face], last.exit) == move.to;
-    if (!previous_to && !ends_at_to &&
-        !no_label_around(patchwork, last.face, last.to(), move.to)) {
+    if (!previous_to && !ends_at_to && !no_label_around(patchwork, last.face, last.to(), move.to)) {
         return false;
     }
     // All around the centre of the fan, the last run goes over into the first one.
