@@ -39,33 +39,20 @@ Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh) {
 }
 
 void Surface::join_sides() {
-    struct Side {
-        int face;
-        int start;
-    };
-    std::map<std::pair<int, int>, std::vector<Side>> sides;
+    std::map<std::pair<int, int>, std::vector<int>> sides;
     for (int f = 0; f < mesh_.face_count(); ++f) {
         for (int c = 0; c < 3; ++c) {
             const auto ends = std::minmax(mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]);
-            sides[{ends.first, ends.second}].push_back({f, mesh_.faces[f][c]});
+            sides[{ends.first, ends.second}].push_back(f);
         }
     }
-    is_closed_ = true;
     for (const auto& [ends, of_edge] : sides) {
-        is_closed_ = is_closed_ && of_edge.size() == 2;
-        if (of_edge.size() == 2 && of_edge[0].face != of_edge[1].face &&
-            of_edge[0].start != of_edge[1].start) {
-            shared_.push_back({{of_edge[0].face, of_edge[1].face}, {ends.first, ends.second}});
+        if (of_edge.size() == 2 && of_edge[0] != of_edge[1]) {
+            shared_.push_back({{of_edge[0], of_edge[1]}, {ends.first, ends.second}});
         } else {
             has_unjoined_pair_ = has_unjoined_pair_ || of_edge.size() > 1;
         }
     }
-    std::set<int> vertices;
-    for (const Triangle& t : mesh_.faces) {
-        vertices.insert(t.begin(), t.end());
-    }
-    euler_characteristic_ =
-        static_cast<int>(vertices.size()) - static_cast<int>(sides.size()) + mesh_.face_count();
 }
 
 void Surface::count_components() {
@@ -84,56 +71,56 @@ void Surface::count_components() {
 
 void Surface::examine() {
     is_manifold_ = mesh_.face_count() > 0 && !has_unjoined_pair_;
-    std::set<std::array<int, 3>> seen;
-    for (Triangle t : mesh_.faces) {
+    for (const Triangle& t : mesh_.faces) {
         is_manifold_ = is_manifold_ && !names_twice(t);
         for (int v : t) {
             const Vec3& p = mesh_.positions[v];
             is_manifold_ = is_manifold_ && std::isfinite(p.x + p.y + p.z);
         }
-        std::sort(t.begin(), t.end());
-        is_manifold_ = is_manifold_ && seen.insert(t).second;
-    }
-    if (is_manifold_) {
-        int vertex_count = 0;
-        const std::vector<int> one_label(mesh_.faces.size(), 0);
-        is_manifold_ = count_fans(one_label, 0, &vertex_count) == vertex_count;
     }
 }
 
-/// Fans of the sub-mesh over all its vertices; `vertex_count`: how many these are.
+/// Fans of the sub-mesh over all its vertices; `vertex_count`: how many these are, where each fan
+/// of the whole surface counts as a vertex of its own.
 int Surface::count_fans(const std::vector<int>& labels, int label, int* vertex_count) const {
     std::map<int, std::vector<int>> faces_of_vertex;
     for (int f = 0; f < mesh_.face_count(); ++f) {
-        if (labels[f] == label) {
-            for (int v : mesh_.faces[f]) {
-                faces_of_vertex[v].push_back(f);
-            }
+        for (int v : mesh_.faces[f]) {
+            faces_of_vertex[v].push_back(f);
         }
     }
     std::map<int, std::vector<const SharedEdge*>> edges_of_vertex;
     for (const SharedEdge& edge : shared_) {
-        if (labels[edge.faces[0]] == label && labels[edge.faces[1]] == label) {
-            edges_of_vertex[edge.vertices[0]].push_back(&edge);
-            edges_of_vertex[edge.vertices[1]].push_back(&edge);
-        }
+        edges_of_vertex[edge.vertices[0]].push_back(&edge);
+        edges_of_vertex[edge.vertices[1]].push_back(&edge);
     }
     int fans = 0;
+    *vertex_count = 0;
     for (const auto& [vertex, faces] : faces_of_vertex) {
         const auto place = [&, &around = faces](int face) {
             return static_cast<int>(std::find(around.begin(), around.end(), face) - around.begin());
         };
-        Groups groups(static_cast<int>(faces.size()));
+        Groups of_surface(static_cast<int>(faces.size()));
+        Groups of_label(static_cast<int>(faces.size()));
         for (const SharedEdge* edge : edges_of_vertex[vertex]) {
-            groups.join(place(edge->faces[0]), place(edge->faces[1]));
+            const int a = edge->faces[0];
+            const int b = edge->faces[1];
+            of_surface.join(place(a), place(b));
+            if (labels[a] == label && labels[b] == label) {
+                of_label.join(place(a), place(b));
+            }
         }
-        std::set<int> different;
+        std::set<int> surface_fans;
+        std::set<int> label_fans;
         for (int face : faces) {
-            different.insert(groups.of(place(face)));
+            if (labels[face] == label) {
+                surface_fans.insert(of_surface.of(place(face)));
+                label_fans.insert(of_label.of(place(face)));
+            }
         }
-        fans += static_cast<int>(different.size());
+        *vertex_count += static_cast<int>(surface_fans.size());
+        fans += static_cast<int>(label_fans.size());
     }
-    *vertex_count = static_cast<int>(faces_of_vertex.size());
     return fans;
 }
 
@@ -156,10 +143,9 @@ int Surface::count_pieces(const std::vector<int>& labels, int label) const {
     return static_cast<int>(different.size());
 }
 
-/// For a connected sub-mesh without bowties: Euler characteristic 1 and one boundary loop.
+/// For a connected sub-mesh without bowties: Euler characteristic 1 and a boundary.
 bool Surface::is_disk(const std::vector<int>& labels, int label) const {
     std::map<std::pair<int, int>, int> sides;
-    std::set<int> vertices;
     int triangles = 0;
     for (int f = 0; f < mesh_.face_count(); ++f) {
         if (labels[f] == label) {
@@ -167,29 +153,14 @@ bool Surface::is_disk(const std::vector<int>& labels, int label) const {
             for (int c = 0; c < 3; ++c) {
                 const auto ends = std::minmax(mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]);
                 ++sides[{ends.first, ends.second}];
-                vertices.insert(mesh_.faces[f][c]);
             }
         }
     }
-    std::map<int, int> place;
-    std::vector<std::pair<int, int>> rim;
-    for (const auto& [ends, count] : sides) {
-        if (count == 1) {
-            rim.push_back(ends);
-            place.emplace(ends.first, static_cast<int>(place.size()));
-            place.emplace(ends.second, static_cast<int>(place.size()));
-        }
-    }
-    Groups groups(static_cast<int>(place.size()));
-    for (const auto& [a, b] : rim) {
-        groups.join(place[a], place[b]);
-    }
-    std::set<int> loops;
-    for (const auto& [vertex, at] : place) {
-        loops.insert(groups.of(at));
-    }
-    const int edges = static_cast<int>(sides.size());
-    return loops.size() == 1 && static_cast<int>(vertices.size()) - edges + triangles == 1;
+    const bool has_boundary =
+        std::any_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 1; });
+    int vertices = 0;
+    count_fans(labels, label, &vertices);
+    return has_boundary && vertices - static_cast<int>(sides.size()) + triangles == 1;
 }
 
 Recount Surface::recount(const std::vector<int>& labels, int submesh_count) const {

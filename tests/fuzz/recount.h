@@ -31,12 +31,8 @@ public:
 
     /// Faces joined by shared edges: size of each component.
     const std::vector<int>& component_sizes() const { return component_sizes_; }
-    /// Finite, of triangles with three different vertices, no two alike, at most two on an edge and
-    /// these in opposite directions, one fan around each vertex.
+    /// Finite, of triangles with three different vertices, at most two on an edge.
     bool is_manifold() const { return is_manifold_; }
-    bool is_closed() const { return is_closed_; }
-    /// V - E + F.
-    int euler_characteristic() const { return euler_characteristic_; }
 
     Recount recount(const std::vector<int>& labels, int submesh_count) const;
 
@@ -70,8 +66,6 @@ private:
     std::vector<int> component_sizes_;
     bool has_unjoined_pair_ = false;
     bool is_manifold_ = false;
-    bool is_closed_ = false;
-    int euler_characteristic_ = 0;
 };
 
 } // namespace spheroseg::fuzz
