@@ -10,7 +10,7 @@ namespace spheroseg::fuzz {
 namespace {
 
 constexpr const char* kOutcomeNames[] = {
-    "segmented", "impossible", "not_reached", "out_of_time", "refused", "cancelled"};
+    "segmented", "impossible", "missed", "not_reached", "out_of_time", "refused", "cancelled"};
 
 class Statistics {
 public:
@@ -60,12 +60,16 @@ void count(Outcome outcome) {
     ++Statistics::get().counts[static_cast<std::size_t>(outcome)];
 }
 
-void note_not_reached(const FuzzCase& one, const Recount& recount, int least_difference) {
-    const char* path = std::getenv("SPHEROSEG_FUZZ_NOT_REACHED");
+void note_missed(const char* how,
+                 const FuzzCase& one,
+                 const Recount& recount,
+                 int least_difference) {
+    const char* path = std::getenv("SPHEROSEG_FUZZ_MISSED");
     std::FILE* file = path ? std::fopen(path, "a") : nullptr;
     if (file) {
         std::fprintf(file,
-                     "%d faces, MTCD %d (best %d), bowties %d, disconnected %d, empty %d\n",
+                     "%s: %d faces, MTCD %d (best %d), bowties %d, disconnected %d, empty %d\n",
+                     how,
                      one.mesh.face_count(),
                      recount.max_triangle_count_difference,
                      least_difference,

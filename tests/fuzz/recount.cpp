@@ -14,49 +14,71 @@ namespace {
 /// Sets of numbers that are joined pair by pair.
 class Groups {
 public:
-    explicit Groups(int count) : group_(count) { std::iota(group_.begin(), group_.end(), 0); }
+    explicit Groups(std::size_t count) : group_(count) {
+        std::iota(group_.begin(), group_.end(), 0);
+    }
     void join(int a, int b) {
         const int from = group_[a];
         const int to = group_[b];
-        std::replace(group_.begin(), group_.end(), from, to);
+        if (from != to) {
+            std::replace(group_.begin(), group_.end(), from, to);
+        }
     }
     int of(int member) const { return group_[member]; }
+    int count() const {
+        return static_cast<int>(std::set<int>(group_.begin(), group_.end()).size());
+    }
 
 private:
     std::vector<int> group_;
 };
 
-bool names_twice(const Triangle& t) {
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+using Edge = std::pair<int, int>;
+
+Edge edge_of(const Triangle& t, int corner) {
+    return std::minmax(t[corner], t[(corner + 1) % 3]);
+}
+
+int corner_of(const Triangle& t, int vertex) {
+    return static_cast<int>(std::find(t.begin(), t.end(), vertex) - t.begin());
 }
 
 } // namespace
 
-Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh) {
+Surface::Surface(const TriangleMesh& mesh) : mesh_(mesh), shared_of_face_(mesh.faces.size()) {
     join_sides();
     count_components();
+    split_pinches();
     examine();
 }
 
 void Surface::join_sides() {
-    std::map<std::pair<int, int>, std::vector<int>> sides;
+    struct Side {
+        int face;
+        int start;
+    };
+    std::map<Edge, std::vector<Side>> sides;
     for (int f = 0; f < mesh_.face_count(); ++f) {
         for (int c = 0; c < 3; ++c) {
-            const auto ends = std::minmax(mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]);
-            sides[{ends.first, ends.second}].push_back(f);
+            sides[edge_of(mesh_.faces[f], c)].push_back({f, mesh_.faces[f][c]});
         }
     }
+    edge_count_ = static_cast<int>(sides.size());
     for (const auto& [ends, of_edge] : sides) {
-        if (of_edge.size() == 2 && of_edge[0] != of_edge[1]) {
-            shared_.push_back({{of_edge[0], of_edge[1]}, {ends.first, ends.second}});
-        } else {
-            has_unjoined_pair_ = has_unjoined_pair_ || of_edge.size() > 1;
+        is_clean_ = is_clean_ && of_edge.size() <= 2;
+        is_closed_ = is_closed_ && of_edge.size() == 2;
+        if (of_edge.size() == 2 && of_edge[0].face != of_edge[1].face) {
+            is_oriented_ = is_oriented_ && of_edge[0].start != of_edge[1].start;
+            for (const Side& side : of_edge) {
+                shared_of_face_[side.face].push_back(static_cast<int>(shared_.size()));
+            }
+            shared_.push_back({{of_edge[0].face, of_edge[1].face}, {ends.first, ends.second}});
         }
     }
 }
 
 void Surface::count_components() {
-    Groups groups(mesh_.face_count());
+    Groups groups(mesh_.faces.size());
     for (const SharedEdge& edge : shared_) {
         groups.join(edge.faces[0], edge.faces[1]);
     }
@@ -69,98 +91,115 @@ void Surface::count_components() {
     }
 }
 
-void Surface::examine() {
-    is_manifold_ = mesh_.face_count() > 0 && !has_unjoined_pair_;
-    for (const Triangle& t : mesh_.faces) {
-        is_manifold_ = is_manifold_ && !names_twice(t);
-        for (int v : t) {
-            const Vec3& p = mesh_.positions[v];
-            is_manifold_ = is_manifold_ && std::isfinite(p.x + p.y + p.z);
+void Surface::split_pinches() {
+    Groups groups(3 * mesh_.faces.size());
+    for (const SharedEdge& edge : shared_) {
+        for (int v : edge.vertices) {
+            groups.join(3 * edge.faces[0] + corner_of(mesh_.faces[edge.faces[0]], v),
+                        3 * edge.faces[1] + corner_of(mesh_.faces[edge.faces[1]], v));
         }
     }
+    std::set<int> vertices;
+    std::set<int> split_vertices;
+    for (int f = 0; f < mesh_.face_count(); ++f) {
+        corners_.push_back({groups.of(3 * f), groups.of(3 * f + 1), groups.of(3 * f + 2)});
+        vertices.insert(mesh_.faces[f].begin(), mesh_.faces[f].end());
+        split_vertices.insert(corners_[f].begin(), corners_[f].end());
+    }
+    is_pinched_ = split_vertices.size() != vertices.size();
+    is_sphere_ = static_cast<int>(vertices.size()) - edge_count_ + mesh_.face_count() == 2;
 }
 
-/// Fans of the sub-mesh over all its vertices; `vertex_count`: how many these are, where each fan
-/// of the whole surface counts as a vertex of its own.
-int Surface::count_fans(const std::vector<int>& labels, int label, int* vertex_count) const {
+void Surface::examine() {
+    std::set<Triangle> seen;
+    bool has_twins = false;
+    for (Triangle t : mesh_.faces) {
+        is_clean_ = is_clean_ && t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        for (int v : t) {
+            const Vec3& p = mesh_.positions[v];
+            is_clean_ = is_clean_ && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+        }
+        std::sort(t.begin(), t.end());
+        has_twins = has_twins || !seen.insert(t).second;
+    }
+    is_clean_ = is_clean_ && !mesh_.faces.empty();
+    is_sphere_ = is_sphere_ && is_clean_ && is_closed_ && is_oriented_ && !is_pinched_ &&
+        !has_twins && component_sizes_.size() == 1;
+}
+
+int Surface::count_bowties(const std::vector<int>& faces) const {
+    const std::set<int> members(faces.begin(), faces.end());
     std::map<int, std::vector<int>> faces_of_vertex;
-    for (int f = 0; f < mesh_.face_count(); ++f) {
-        for (int v : mesh_.faces[f]) {
+    for (int f : faces) {
+        for (int v : corners_[f]) {
             faces_of_vertex[v].push_back(f);
         }
     }
-    std::map<int, std::vector<const SharedEdge*>> edges_of_vertex;
-    for (const SharedEdge& edge : shared_) {
-        edges_of_vertex[edge.vertices[0]].push_back(&edge);
-        edges_of_vertex[edge.vertices[1]].push_back(&edge);
-    }
-    int fans = 0;
-    *vertex_count = 0;
-    for (const auto& [vertex, faces] : faces_of_vertex) {
-        const auto place = [&, &around = faces](int face) {
+    int bowties = 0;
+    for (const auto& [vertex, around] : faces_of_vertex) {
+        const auto place = [&, &around = around](int face) {
             return static_cast<int>(std::find(around.begin(), around.end(), face) - around.begin());
         };
-        Groups of_surface(static_cast<int>(faces.size()));
-        Groups of_label(static_cast<int>(faces.size()));
-        for (const SharedEdge* edge : edges_of_vertex[vertex]) {
-            const int a = edge->faces[0];
-            const int b = edge->faces[1];
-            of_surface.join(place(a), place(b));
-            if (labels[a] == label && labels[b] == label) {
-                of_label.join(place(a), place(b));
+        Groups groups(around.size());
+        for (int f : around) {
+            for (int e : shared_of_face_[f]) {
+                const SharedEdge& edge = shared_[e];
+                const int other = edge.faces[0] == f ? edge.faces[1] : edge.faces[0];
+                for (int v : edge.vertices) {
+                    if (corners_[f][corner_of(mesh_.faces[f], v)] == vertex &&
+                        members.count(other) > 0) {
+                        groups.join(place(f), place(other));
+                    }
+                }
             }
         }
-        std::set<int> surface_fans;
-        std::set<int> label_fans;
-        for (int face : faces) {
-            if (labels[face] == label) {
-                surface_fans.insert(of_surface.of(place(face)));
-                label_fans.insert(of_label.of(place(face)));
-            }
-        }
-        *vertex_count += static_cast<int>(surface_fans.size());
-        fans += static_cast<int>(label_fans.size());
+        bowties += groups.count() - 1;
     }
-    return fans;
+    return bowties;
 }
 
 int Surface::count_pieces(const std::vector<int>& labels, int label) const {
-    std::vector<int> place(mesh_.faces.size(), -1);
+    std::vector<int> place(labels.size(), -1);
     int count = 0;
     for (std::size_t f = 0; f < labels.size(); ++f) {
         place[f] = labels[f] == label ? count++ : -1;
     }
-    Groups groups(count);
+    Groups groups(static_cast<std::size_t>(count));
     for (const SharedEdge& edge : shared_) {
         if (labels[edge.faces[0]] == label && labels[edge.faces[1]] == label) {
             groups.join(place[edge.faces[0]], place[edge.faces[1]]);
         }
     }
-    std::set<int> different;
-    for (int i = 0; i < count; ++i) {
-        different.insert(groups.of(i));
-    }
-    return static_cast<int>(different.size());
+    return groups.count();
 }
 
-/// For a connected sub-mesh without bowties: Euler characteristic 1 and a boundary.
-bool Surface::is_disk(const std::vector<int>& labels, int label) const {
-    std::map<std::pair<int, int>, int> sides;
-    int triangles = 0;
-    for (int f = 0; f < mesh_.face_count(); ++f) {
-        if (labels[f] == label) {
-            ++triangles;
-            for (int c = 0; c < 3; ++c) {
-                const auto ends = std::minmax(mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]);
-                ++sides[{ends.first, ends.second}];
-            }
+/// For connected faces without bowties: Euler characteristic 1 and one boundary loop.
+bool Surface::is_disk(const std::vector<int>& faces) const {
+    std::set<int> vertices;
+    std::map<Edge, int> sides;
+    for (int f : faces) {
+        vertices.insert(corners_[f].begin(), corners_[f].end());
+        for (int c = 0; c < 3; ++c) {
+            ++sides[edge_of(corners_[f], c)];
         }
     }
-    const bool has_boundary =
-        std::any_of(sides.begin(), sides.end(), [](const auto& side) { return side.second == 1; });
-    int vertices = 0;
-    count_fans(labels, label, &vertices);
-    return has_boundary && vertices - static_cast<int>(sides.size()) + triangles == 1;
+    std::map<int, int> place;
+    std::vector<Edge> rim;
+    for (const auto& [ends, count] : sides) {
+        if (count == 1) {
+            rim.push_back(ends);
+            place.emplace(ends.first, static_cast<int>(place.size()));
+            place.emplace(ends.second, static_cast<int>(place.size()));
+        }
+    }
+    Groups loops(place.size());
+    for (const auto& [a, b] : rim) {
+        loops.join(place[a], place[b]);
+    }
+    return loops.count() == 1 &&
+        static_cast<int>(vertices.size()) - static_cast<int>(sides.size()) +
+            static_cast<int>(faces.size()) ==
+        1;
 }
 
 Recount Surface::recount(const std::vector<int>& labels, int submesh_count) const {
@@ -169,15 +208,19 @@ Recount Surface::recount(const std::vector<int>& labels, int submesh_count) cons
         result.boundary_edge_count += labels[edge.faces[0]] != labels[edge.faces[1]];
     }
     for (int l = 0; l < submesh_count; ++l) {
-        result.triangle_counts.push_back(
-            static_cast<int>(std::count(labels.begin(), labels.end(), l)));
-        int vertices = 0;
-        const int bowties = count_fans(labels, l, &vertices) - vertices;
+        std::vector<int> faces;
+        for (int f = 0; f < face_count(); ++f) {
+            if (labels[f] == l) {
+                faces.push_back(f);
+            }
+        }
+        const int bowties = count_bowties(faces);
         const int pieces = count_pieces(labels, l);
+        result.triangle_counts.push_back(static_cast<int>(faces.size()));
         result.bowtie_count += bowties;
         result.disconnected_submesh_count += pieces > 1;
         result.empty_submesh_count += pieces == 0;
-        result.disk_count += pieces == 1 && bowties == 0 && is_disk(labels, l);
+        result.disk_count += pieces == 1 && bowties == 0 && is_disk(faces);
     }
     const auto [least, most] =
         std::minmax_element(result.triangle_counts.begin(), result.triangle_counts.end());
@@ -189,9 +232,8 @@ int Surface::least_count_difference(int submesh_count) const {
     if (static_cast<int>(component_sizes_.size()) > submesh_count) {
         return -1;
     }
-    const int face_count = mesh_.face_count();
-    for (int difference = 0; difference < face_count; ++difference) {
-        for (int least = 1; least * submesh_count <= face_count; ++least) {
+    for (int difference = 0; difference < face_count(); ++difference) {
+        for (int least = 1; least * submesh_count <= face_count(); ++least) {
             // A component of s faces can be cut into n chains of `least` to `most` faces when
             // n * least <= s <= n * most.
             const int most = least + difference;
@@ -210,52 +252,7 @@ int Surface::least_count_difference(int submesh_count) const {
             }
         }
     }
-    return face_count;
-}
-
-/// Labels the faces from `face` on in every way; a new label is always the next unused one.
-bool Surface::place(std::vector<int>& labels,
-                    std::vector<int>& counts,
-                    int face,
-                    int used,
-                    int count_difference) const {
-    const int submesh_count = static_cast<int>(counts.size());
-    const int face_count = mesh_.face_count();
-    if (submesh_count - used > face_count - face) {
-        return false;
-    }
-    if (face == face_count) {
-        const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
-        if (*most - *least > count_difference) {
-            return false;
-        }
-        for (int l = 0; l < submesh_count; ++l) {
-            int vertices = 0;
-            if (count_pieces(labels, l) != 1 || count_fans(labels, l, &vertices) != vertices) {
-                return false;
-            }
-        }
-        return true;
-    }
-    const int ceiling =
-        (face_count + submesh_count - 1) / submesh_count + (count_difference > 1 ? face_count : 0);
-    for (int l = 0; l < std::min(used + 1, submesh_count); ++l) {
-        if (counts[l] < ceiling) {
-            labels[face] = l;
-            ++counts[l];
-            if (place(labels, counts, face + 1, std::max(used, l + 1), count_difference)) {
-                return true;
-            }
-            --counts[l];
-        }
-    }
-    return false;
-}
-
-bool Surface::can_be_cut(int submesh_count, int count_difference) const {
-    std::vector<int> labels(mesh_.faces.size(), 0);
-    std::vector<int> counts(submesh_count, 0);
-    return place(labels, counts, 0, 0, count_difference);
+    return face_count();
 }
 
 } // namespace spheroseg::fuzz

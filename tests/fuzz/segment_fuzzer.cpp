@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What must hold for every mesh and all options, as a libFuzzer target.
+#include "exact_cuts.h"
 #include "fuzz_case.h"
 #include "fuzz_report.h"
 #include "random.h"
@@ -10,9 +11,6 @@
 
 namespace spheroseg::fuzz {
 namespace {
-
-/// Up to so many faces all labellings are tried where the method found none.
-constexpr int kExhaustiveFaces = 10;
 
 void require(bool holds, const char* what, const FuzzCase& one) {
     if (!holds) {
@@ -49,25 +47,40 @@ Recount check_labels(const Segmentation& result, const Surface& surface, const F
     return recount;
 }
 
-void check_guarantees(const Recount& recount, const Surface& surface, const FuzzCase& one) {
+void check_guarantees(const Segmentation& result,
+                      const Recount& recount,
+                      const Surface& surface,
+                      const FuzzCase& one) {
     const auto submesh_count = static_cast<int>(recount.triangle_counts.size());
     const int difference = surface.least_count_difference(submesh_count);
+    require(result.component_count == static_cast<int>(surface.component_sizes().size()),
+            "component_count",
+            one);
+    require(result.best_max_triangle_count_difference == difference,
+            "best_max_triangle_count_difference",
+            one);
+    const bool is_valid = recount.is_whole() && recount.max_triangle_count_difference <= difference;
+    require(result.is_valid() == is_valid, "is_valid", one);
     if (one.options.method == Method::all_pairs) {
         require(recount.max_triangle_count_difference <= difference, "balance of all_pairs", one);
         count(Outcome::segmented);
-        return;
-    }
-    if (recount.is_whole() && recount.max_triangle_count_difference <= difference) {
+    } else if (is_valid) {
         count(Outcome::segmented);
-        return;
+    } else {
+        switch (can_be_cut(surface, submesh_count, difference)) {
+        case Answer::no:
+            count(Outcome::impossible);
+            break;
+        case Answer::yes:
+            count(Outcome::missed);
+            note_missed("possible", one, recount, difference);
+            break;
+        case Answer::unknown:
+            count(Outcome::not_reached);
+            note_missed("perhaps possible", one, recount, difference);
+            break;
+        }
     }
-    if (one.mesh.face_count() > kExhaustiveFaces) {
-        count(Outcome::not_reached);
-        note_not_reached(one, recount, difference);
-        return;
-    }
-    require(!surface.can_be_cut(submesh_count, difference), "a valid labelling exists", one);
-    count(Outcome::impossible);
 }
 
 /// Progress rises within [0, 1], and stops the run when the case says so.
@@ -80,9 +93,7 @@ Progress watched_progress(const FuzzCase& one, int& calls) {
 }
 
 bool must_be_accepted(const Surface& surface, const FuzzCase& one) {
-    const int submesh_count = requested_submesh_count(one.options, one.mesh.face_count());
-    return one.options.method == Method::fast && surface.is_manifold() &&
-        static_cast<int>(surface.component_sizes().size()) <= submesh_count;
+    return one.options.method == Method::fast ? surface.is_clean() : surface.is_sphere();
 }
 
 void check_same_labels(PreparedMesh& used, const FuzzCase& one, const Segmentation& result) {
@@ -114,7 +125,7 @@ void run_segmentation(PreparedMesh& prepared, const Surface& surface, const Fuzz
         !(recount.is_whole() && recount.max_triangle_count_difference <= 1)) {
         count(Outcome::out_of_time);
     } else {
-        check_guarantees(recount, surface, one);
+        check_guarantees(result, recount, surface, one);
     }
     check_same_labels(prepared, one, result);
 }
@@ -142,7 +153,7 @@ void run_measures(const PreparedMesh& prepared, const Surface& surface, const Fu
     }
     const Measures measures =
         measure(prepared.mesh(), prepared.dual_graph(), labels, submesh_count);
-    if (surface.is_manifold()) {
+    if (surface.is_clean()) {
         check_measures(measures, surface.recount(labels, submesh_count), one);
     }
 }
@@ -159,7 +170,11 @@ void run_case(const FuzzCase& one) {
     try {
         run_segmentation(prepared, surface, one);
     } catch (const InvalidInput&) {
-        require(!must_be_accepted(surface, one), "a good mesh is refused", one);
+        const int submesh_count = requested_submesh_count(one.options, one.mesh.face_count());
+        require(!must_be_accepted(surface, one) ||
+                    submesh_count < static_cast<int>(surface.component_sizes().size()),
+                "a good mesh is refused",
+                one);
         throw;
     }
 }
