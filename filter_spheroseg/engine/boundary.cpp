@@ -47,9 +47,13 @@ BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
     }
 }
 
-std::int64_t count_boundary_edges(const Patchwork& patchwork) {
+std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) {
     std::int64_t sides = 0;
-    for (const Cell& cell : patchwork.cells) {
+    const int face_count = patchwork.face_count();
+    const int threads = resolve_thread_count(thread_count);
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
+    for (int f = 0; f < face_count; ++f) {
+        const Cell& cell = patchwork.cells[f];
         for (int neighbor : cell.neighbor) {
             sides += neighbor >= 0 && patchwork.cells[neighbor].label != cell.label;
         }

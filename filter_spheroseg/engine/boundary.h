@@ -35,7 +35,7 @@ private:
 };
 
 /// Edges between sub-meshes, each counted once.
-std::int64_t count_boundary_edges(const Patchwork& patchwork);
+std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count);
 
 /// Which sub-meshes touch which: the neighbours of label l are
 /// neighbors[begin[l] .. begin[l + 1]), in the order in which the boundary faces name them.

@@ -33,13 +33,13 @@ struct Budget {
 Budget budget_of(Effort effort) {
     switch (effort) {
     case Effort::draft:
-        return {40, 60.0, 40.0, 20.0, 12, 6, 2.0};
+        return {20, 60.0, 40.0, 20.0, 12, 6, 2.0};
     case Effort::high:
-        return {120, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
+        return {60, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
     case Effort::standard:
         break;
     }
-    return {60, 200.0, 90.0, 40.0, 24, 12, 2.0};
+    return {20, 150.0, 90.0, 30.0, 24, 12, 2.0};
 }
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
@@ -98,8 +98,8 @@ public:
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             const bool valid = *most - *least <= 1 && forced_faces_ == 0;
             // Validity before boundary: an invalid result loses against any valid one.
-            const std::int64_t cost =
-                count_boundary_edges(patchwork) + (valid ? 0 : std::int64_t{1} << 40);
+            const std::int64_t cost = count_boundary_edges(patchwork, options_.thread_count) +
+                (valid ? 0 : std::int64_t{1} << 40);
             if (least_cost < 0 || cost < least_cost) {
                 least_cost = cost;
                 result_.labels = multilevel_->labels(patchwork);
@@ -138,15 +138,11 @@ private:
         Patchwork patchwork = multilevel_->coarsen(coarsen ? wanted : face_count, submesh_count_);
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
         if (start < 3) {
-            // The last relaxations improve little; out of cache they cost too much.
-            const int relaxations = patchwork.face_count() < kMinFacesToSort
-                ? budget_.relaxations
-                : budget_.relaxations / 3;
             AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
             in_label_order(patchwork, [&](Patchwork& level) {
-                relax(level, relaxations, options_.thread_count, cohesion);
+                relax(level, budget_.relaxations, options_.thread_count, cohesion);
             });
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);

@@ -138,7 +138,7 @@ void run_phases(Patchwork& patchwork,
                 RunGroup run_group) {
     const int threads = resolve_thread_count(schedule.thread_count);
     BoundaryFaces boundary(patchwork, threads);
-    std::int64_t edges = count_boundary_edges(patchwork);
+    std::int64_t edges = count_boundary_edges(patchwork, threads);
     Grouping grouping;
     const int phases = std::max(1, schedule.phase_count);
     for (int p = 0; p < phases; ++p) {
