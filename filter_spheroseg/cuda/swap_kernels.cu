@@ -3,6 +3,20 @@
 
 #define SPHEROSEG_DYNAMIC_SHARED(type, name) extern __shared__ type name[]
 #define SPHEROSEG_VOLATILE_READ(value) (*const_cast<const volatile int*>(&(value)))
+#define SPHEROSEG_UNROLL _Pragma("unroll")
+#define SPHEROSEG_ROUGH_ROOT(value) rough_root(value)
+
+namespace {
+
+/// Off by at most 2^-23 of itself; 0 of a denormal number.
+__device__ inline float rough_root(float value) {
+    float root;
+    asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(root) : "f"(value));
+    return root;
+}
+
+} // namespace
+
 #include "swap_kernels.cuh"
 
 namespace spheroseg::cuda {

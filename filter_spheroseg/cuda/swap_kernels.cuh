@@ -17,6 +17,9 @@ namespace { // the tests' emulation has kernels of the same names
 /// Rounds that are tested ahead, on the labels before the first of them. When no pair of the tile
 /// wants to swap in any of them, they are done; else they are played one by one.
 constexpr int kQuietRounds = 4;
+/// The least that exact distances can be of approximate ones: more than ten times as far below 1 as
+/// the approximate root and the contracted sum of squares can be off (2^-22 each).
+constexpr float kSurelyLess = 1.0f - 0x1.0p-18f;
 
 /// Faces of a tile in shared memory.
 struct HeldFaces {
@@ -92,12 +95,52 @@ store_tile(const CohesionArrays& arrays, const Tile& tile, int face_count, const
     }
 }
 
-__device__ inline bool wants_swap(const HeldFaces& held, int a, int b) {
-    const float d3 =
-        chord(held.x[a], held.y[a], held.z[a], held.own_x[b], held.own_y[b], held.own_z[b]);
-    const float d4 =
-        chord(held.x[b], held.y[b], held.z[b], held.own_x[a], held.own_y[a], held.own_z[a]);
-    return __fadd_rn(held.distance[a], held.distance[b]) > __fadd_rn(d3, d4);
+/// A face in registers.
+struct Face {
+    float x;
+    float y;
+    float z;
+    float own_x;
+    float own_y;
+    float own_z;
+    float distance;
+};
+
+__device__ inline Face face_at(const HeldFaces& held, int place) {
+    return {held.x[place],
+            held.y[place],
+            held.z[place],
+            held.own_x[place],
+            held.own_y[place],
+            held.own_z[place],
+            held.distance[place]};
+}
+
+/// A `chord` that may be off by 2^-21 of itself, or 0 where it is less than 2^-63.
+__device__ inline float rough_chord(float ax, float ay, float az, float bx, float by, float bz) {
+    const float dx = ax - bx;
+    const float dy = ay - by;
+    const float dz = az - bz;
+    return SPHEROSEG_ROUGH_ROOT(__fmaf_rn(dx, dx, __fmaf_rn(dy, dy, dz * dz)));
+}
+
+/// False only where the pair does not want to swap: an exact root takes several times as long as
+/// all the rest, and nearly all pairs are far from wanting to.
+__device__ inline bool may_want_swap(const Face& a, const Face& b) {
+    const float d3 = rough_chord(a.x, a.y, a.z, b.own_x, b.own_y, b.own_z);
+    const float d4 = rough_chord(b.x, b.y, b.z, a.own_x, a.own_y, a.own_z);
+    return a.distance + b.distance > (d3 + d4) * kSurelyLess;
+}
+
+/// Algorithm 1. Faces with the same label do not swap: their distances are equal before and after.
+__device__ inline bool
+wants_swap(const HeldFaces& held, const Face& a, int a_place, const Face& b, int b_place) {
+    if (!may_want_swap(a, b) || held.label[a_place] == held.label[b_place]) {
+        return false;
+    }
+    const float d3 = chord(a.x, a.y, a.z, b.own_x, b.own_y, b.own_z);
+    const float d4 = chord(b.x, b.y, b.z, a.own_x, a.own_y, a.own_z);
+    return __fadd_rn(a.distance, b.distance) > __fadd_rn(d3, d4);
 }
 
 template <typename T> __device__ inline void exchange(T& a, T& b) {
@@ -117,15 +160,55 @@ __device__ inline void swap_pair(const HeldFaces& held, int a, int b) {
         chord(held.x[b], held.y[b], held.z[b], held.own_x[b], held.own_y[b], held.own_z[b]);
 }
 
-/// Whether this thread's pairs in round t of the tile want to swap.
-__device__ inline bool round_wants_swap(const Tile& tile, const HeldFaces& held, int t) {
-    bool any = false;
-    const int slot_end = tile.end_slot(t);
-    for (int slot = tile.first_slot(t) + static_cast<int>(threadIdx.x); slot < slot_end;
-         slot += blockDim.x) {
-        any |= wants_swap(held, tile.first_place(t, slot), tile.second_place(t, slot));
+/// Whether the pairs of the face at `second` in the rounds [round_begin, round_end) of the tile
+/// want to swap. `diagonal` is the face's slot plus the round, which stays.
+__device__ inline bool face_wants_swap(
+    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, int round_end) {
+    const int b_place = tile.second_place(0, diagonal);
+    const Face b = face_at(held, b_place);
+    bool may = false;
+    SPHEROSEG_UNROLL
+    for (int i = 0; i < kQuietRounds; ++i) {
+        const int t = round_begin + i;
+        const int slot = diagonal - t;
+        // No branches: the rounds' loads and roots overlap.
+        const bool meets =
+            (t < round_end) & (slot >= tile.first_slot(t)) & (slot < tile.end_slot(t));
+        const Face a = face_at(held, meets ? tile.first_place(t, slot) : b_place);
+        may |= meets & may_want_swap(a, b);
     }
-    return any;
+    if (!may) {
+        return false;
+    }
+    for (int t = round_begin; t < round_end; ++t) {
+        const int slot = diagonal - t;
+        if (slot >= tile.first_slot(t) && slot < tile.end_slot(t)) {
+            const int a_place = tile.first_place(t, slot);
+            if (wants_swap(held, face_at(held, a_place), a_place, b, b_place)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/// Whether any of this thread's pairs in the rounds [round_begin, round_end) want to swap. A thread
+/// takes the pairs of a second face, which stays in registers.
+__device__ inline bool
+rounds_want_swap(const Tile& tile, const HeldFaces& held, int round_begin, int round_end) {
+    const int last = round_end - 1;
+    const int first_low = tile.first_slot(round_begin) + round_begin;
+    const int last_low = tile.first_slot(last) + last;
+    const int first_high = tile.end_slot(round_begin) + round_begin;
+    const int last_high = tile.end_slot(last) + last;
+    const int high = first_high > last_high ? first_high : last_high;
+    int diagonal = (first_low < last_low ? first_low : last_low) + static_cast<int>(threadIdx.x);
+    for (; diagonal < high; diagonal += static_cast<int>(blockDim.x)) {
+        if (face_wants_swap(tile, held, diagonal, round_begin, round_end)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /// Swaps this thread's pairs in round t of the tile that want it.
@@ -136,7 +219,7 @@ __device__ inline int play_round(const Tile& tile, const HeldFaces& held, int t)
          slot += blockDim.x) {
         const int a = tile.first_place(t, slot);
         const int b = tile.second_place(t, slot);
-        if (wants_swap(held, a, b)) {
+        if (wants_swap(held, face_at(held, a), a, face_at(held, b), b)) {
             swap_pair(held, a, b);
             ++swap_count;
         }
@@ -156,11 +239,7 @@ __global__ void __launch_bounds__(kCohesionThreads)
     for (int begin = 0; begin < tile.round_count; begin += kQuietRounds) {
         const int ahead = tile.round_count - begin;
         const int end = begin + (ahead < kQuietRounds ? ahead : kQuietRounds);
-        bool any = false;
-        for (int t = begin; t < end; ++t) {
-            any |= round_wants_swap(tile, held, t);
-        }
-        if (__syncthreads_or(any) == 0) {
+        if (__syncthreads_or(rounds_want_swap(tile, held, begin, end)) == 0) {
             continue;
         }
         for (int t = begin; t < end; ++t) {

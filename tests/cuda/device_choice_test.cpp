@@ -46,6 +46,7 @@ TEST(DeviceChoice, AutoGivesTheLabelsOfTheCoresAboveTheSizeThatLooksForADevice) 
     options.method = Method::all_pairs;
     options.max_cohesion_iterations = 1;
     options.max_refinement_iterations = 1;
+    options.submesh_count = 20;
     const std::vector<int> labels = segment(mesh, options).labels;
     options.device = Device::cpu;
     EXPECT_EQ(segment(mesh, options).labels, labels);

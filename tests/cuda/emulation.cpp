@@ -3,7 +3,9 @@
 
 #include "random.h"
 
+#include <cstdint>
 #include <exception>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -198,6 +200,23 @@ void run(const Launch& launch, const std::function<void()>& kernel) {
         used->run_block(kernel, launch.shared_bytes, random);
     }
     kept = std::move(used);
+}
+
+float rough_root(float value) {
+    if (value < std::numeric_limits<float>::min()) {
+        return 0.0f;
+    }
+    const float root = std::sqrt(value);
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    switch (bits % 3) {
+    case 0:
+        return root * (1.0f + 0x1.0p-22f);
+    case 1:
+        return root * (1.0f - 0x1.0p-22f);
+    default:
+        return root;
+    }
 }
 
 void* shared_memory() {

@@ -36,6 +36,10 @@ struct Launch {
 /// all threads of a block.
 void run(const Launch& launch, const std::function<void()>& kernel);
 
+/// As wrong as the device's may be, and more: up to 2^-22 of itself, in either direction; 0 of a
+/// denormal number.
+float rough_root(float value);
+
 void* shared_memory();
 void barrier();
 /// Barrier that returns whether any thread of the block passed true.
@@ -53,6 +57,8 @@ bool barrier_or(bool value);
 #define SPHEROSEG_DYNAMIC_SHARED(type, name)                                                       \
     type* const name = static_cast<type*>(::spheroseg::emulation::shared_memory())
 #define SPHEROSEG_VOLATILE_READ(value) (value)
+#define SPHEROSEG_UNROLL
+#define SPHEROSEG_ROUGH_ROOT(value) ::spheroseg::emulation::rough_root(value)
 
 inline void __syncthreads() {
     ::spheroseg::emulation::barrier();
@@ -81,6 +87,9 @@ inline float __fmul_rn(float a, float b) {
 }
 inline float __fsqrt_rn(float a) {
     return std::sqrt(a);
+}
+inline float __fmaf_rn(float a, float b, float c) {
+    return a * b + c; // used where either rounding will do
 }
 inline float __int_as_float(int bits) {
     float value;
