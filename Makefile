@@ -66,8 +66,10 @@ test-style: setup
 	.venv/bin/ruff check
 	.venv/bin/ruff format --check
 
+# Where nvcc is, with the GPU engine (docs/gpu.md); the other builds have its stand-in.
 test-engine: setup
-	cmake --preset engine -DSPHEROSEG_WERROR=ON
+	cmake --preset engine -DSPHEROSEG_WERROR=ON -DSPHEROSEG_BUILD_TOOLS=ON \
+		-DSPHEROSEG_CUDA=$(if $(shell command -v nvcc),ON,OFF)
 	cmake --build build/engine --parallel $(JOBS)
 	ctest --preset engine
 

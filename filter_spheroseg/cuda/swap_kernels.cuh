@@ -16,7 +16,7 @@ namespace { // the tests' emulation has kernels of the same names
 
 /// Rounds that are tested ahead, on the labels before the first of them. When no pair of the tile
 /// wants to swap in any of them, they are done; else they are played one by one.
-constexpr int kQuietRounds = 4;
+constexpr int kQuietRounds = 8;
 /// The least that exact distances can be of approximate ones: more than ten times as far below 1 as
 /// the approximate root and the contracted sum of squares can be off (2^-22 each).
 constexpr float kSurelyLess = 1.0f - 0x1.0p-18f;
@@ -160,30 +160,39 @@ __device__ inline void swap_pair(const HeldFaces& held, int a, int b) {
         chord(held.x[b], held.y[b], held.z[b], held.own_x[b], held.own_y[b], held.own_z[b]);
 }
 
-/// Whether the pairs of the face at `second` in the rounds [round_begin, round_end) of the tile
-/// want to swap. `diagonal` is the face's slot plus the round, which stays.
+/// Whether the second face of a diagonal (a slot plus its round, which stays) may want to swap in
+/// any of kQuietRounds rounds from `round_begin` on, in all of which it meets a face. No branches
+/// and no index but one: the rounds' loads and roots overlap.
+__device__ inline bool whole_diagonal_may_swap(
+    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, const Face& b) {
+    const int first_place = tile.first_place(round_begin, diagonal - round_begin);
+    bool may = false;
+    SPHEROSEG_UNROLL
+    for (int i = 0; i < kQuietRounds; ++i) {
+        may |= may_want_swap(face_at(held, first_place - 2 * i), b);
+    }
+    return may;
+}
+
+__device__ inline bool meets_in_round(const Tile& tile, int diagonal, int t) {
+    return diagonal - t >= tile.first_slot(t) && diagonal - t < tile.end_slot(t);
+}
+
+/// Whether the second face of a diagonal wants to swap in the rounds [round_begin, round_end).
 __device__ inline bool face_wants_swap(
     const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, int round_end) {
     const int b_place = tile.second_place(0, diagonal);
     const Face b = face_at(held, b_place);
-    bool may = false;
-    SPHEROSEG_UNROLL
-    for (int i = 0; i < kQuietRounds; ++i) {
-        const int t = round_begin + i;
-        const int slot = diagonal - t;
-        // No branches: the rounds' loads and roots overlap.
-        const bool meets =
-            (t < round_end) & (slot >= tile.first_slot(t)) & (slot < tile.end_slot(t));
-        const Face a = face_at(held, meets ? tile.first_place(t, slot) : b_place);
-        may |= meets & may_want_swap(a, b);
-    }
-    if (!may) {
+    const int last = round_end - 1;
+    // In slot 0 the first face is not the next one of the diagonal.
+    const bool whole = round_end - round_begin == kQuietRounds && diagonal - last >= 1 &&
+        meets_in_round(tile, diagonal, round_begin) && meets_in_round(tile, diagonal, last);
+    if (whole && !whole_diagonal_may_swap(tile, held, diagonal, round_begin, b)) {
         return false;
     }
     for (int t = round_begin; t < round_end; ++t) {
-        const int slot = diagonal - t;
-        if (slot >= tile.first_slot(t) && slot < tile.end_slot(t)) {
-            const int a_place = tile.first_place(t, slot);
+        if (meets_in_round(tile, diagonal, t)) {
+            const int a_place = tile.first_place(t, diagonal - t);
             if (wants_swap(held, face_at(held, a_place), a_place, b, b_place)) {
                 return true;
             }
