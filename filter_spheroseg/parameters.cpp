@@ -64,8 +64,9 @@ RichParameterList segmentation_parameters(int face_count) {
                                  static_cast<int>(defaults.device),
                                  kDevices,
                                  "Device",
-                                 "'auto': the fastest one that works. 'cuda' without a usable "
-                                 "device is an error that says why."));
+                                 "Where 'all_pairs' computes; 'fast' runs on the cores. 'auto': "
+                                 "the faster one that works. 'cuda' without a usable device is "
+                                 "an error that says why. The labels are the same."));
     parameters.addParam(RichInt("seed",
                                 static_cast<int>(defaults.seed),
                                 "Seed",
