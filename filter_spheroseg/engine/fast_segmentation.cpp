@@ -71,25 +71,19 @@ public:
                      const Progress& progress,
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), submesh_count_(submesh_count),
-          deadline_(deadline), result_(result), budget_(budget_of(options.effort)) {
-        if (progress) {
-            // More starts than expected must not let it fall back.
-            rising_ = [progress, most = 0.0](double fraction, const char* step) mutable {
-                most = std::max(most, fraction);
-                return progress(most, step);
-            };
-        }
-    }
+          deadline_(deadline), progress_(progress), result_(result),
+          budget_(budget_of(options.effort)) {}
 
     void run() {
         const Deadline watch;
-        multilevel_ = &component_.multilevel(options_.thread_count, sub_progress(rising_, 0, 0.2));
+        multilevel_ =
+            &component_.multilevel(options_.thread_count, sub_progress(progress_, 0, 0.2));
         result_.parametrization_seconds += watch.elapsed_seconds();
         const int wanted_starts = options_.effort == Effort::high ? kHighStarts : 1;
         std::int64_t least_cost = -1;
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts, start + 1);
-            start_progress_ = sub_progress(rising_, start * share, (start + 1) * share);
+            start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             Patchwork patchwork = first_labels(start, wanted_starts);
             patchwork.may_close_rings = start == 0 || any_valid_;
@@ -285,7 +279,7 @@ private:
     const SegmentOptions& options_;
     const int submesh_count_;
     const Deadline& deadline_;
-    Progress rising_;
+    const Progress& progress_;
     Progress start_progress_;
     Segmentation& result_;
     const Budget budget_;

@@ -29,6 +29,17 @@ inline Progress sub_progress(const Progress& progress, double begin, double end)
     };
 }
 
+/// Never falls back, where an operation may take more tries than were expected.
+inline Progress rising_progress(const Progress& progress) {
+    if (!progress) {
+        return {};
+    }
+    return [progress, most = 0.0](double fraction, const char* step) mutable {
+        most = fraction > most ? fraction : most;
+        return progress(most, step);
+    };
+}
+
 /// Wall-clock stop watch with an optional limit.
 class Deadline {
 public:

@@ -217,22 +217,24 @@ Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) try {
     const Deadline deadline(options.time_limit_seconds);
     validate(options, mesh);
-    report_progress(progress, 0.0, "Parametrization");
+    // More starts than expected, or a device that failed, must not let it fall back.
+    const Progress rising = rising_progress(progress);
+    report_progress(rising, 0.0, "Parametrization");
     const int submesh_count = requested_submesh_count(options, mesh.mesh().face_count());
     Segmentation result;
     result.component_count = mesh.report().component_count;
     result.best_max_triangle_count_difference = mesh.mesh().face_count() % submesh_count != 0;
     switch (options.method) {
     case Method::fast:
-        segment_fast(mesh, options, submesh_count, deadline, progress, result);
+        segment_fast(mesh, options, submesh_count, deadline, rising, result);
         break;
     case Method::all_pairs:
-        segment_all_pairs(mesh, options, deadline, progress, result);
+        segment_all_pairs(mesh, options, deadline, rising, result);
         break;
     }
     result.measures = measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count);
     result.total_seconds = deadline.elapsed_seconds();
-    report_progress(progress, 1.0, "Done");
+    report_progress(rising, 1.0, "Done");
     return result;
 } catch (const std::bad_alloc&) {
     throw OutOfMemory();
