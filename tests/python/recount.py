@@ -38,9 +38,11 @@ def measures(faces, labels):
     submesh_count = int(labels.max()) + 1
     edges = edge_faces(faces)
     cut = [edge for edge, users in edges.items() if len({labels[face] for face in users}) > 1]
+    fans = fans_by_vertex(faces)
     counts = np.bincount(labels, minlength=submesh_count)
     per_submesh = [
-        submesh_topology(faces, np.flatnonzero(labels == label)) for label in range(submesh_count)
+        submesh_topology(faces, np.flatnonzero(labels == label), fans)
+        for label in range(submesh_count)
     ]
     return {
         "submesh_count": submesh_count,
@@ -59,21 +61,51 @@ def measures(faces, labels):
     }
 
 
-def submesh_topology(faces, members):
-    """(bowties, pieces, is a disk) of the sub-mesh made of some faces."""
+def fans_by_vertex(faces):
+    """For each vertex the edge-connected sets of faces around it: more than one at a pinch."""
+    around, links = faces_and_joints(faces)
+    fans = {}
+    for vertex, members in around.items():
+        left = set(members)
+        fans[vertex] = []
+        while left:
+            fan, border = set(), [min(left)]
+            while border:
+                face = border.pop()
+                fan.add(face)
+                border += {a + b - face for a, b in links[vertex] if face in (a, b)} - fan
+            fans[vertex].append(fan)
+            left -= fan
+    return fans
+
+
+def faces_and_joints(faces):
+    """By vertex: its faces, and the pairs of them that meet in an edge there."""
+    around, links = defaultdict(list), defaultdict(list)
+    for face, corners in enumerate(faces.tolist()):
+        for vertex in set(corners):
+            around[vertex].append(face)
+    for edge, users in edge_faces(faces).items():
+        for vertex in edge:
+            links[vertex] += pairwise(users)
+    return around, links
+
+
+def submesh_topology(faces, members, fans_of_mesh=None):
+    """(bowties, pieces, is a disk) of the sub-mesh made of some faces. With the fans of the whole
+    mesh, each of them counts as a vertex of its own."""
     if len(members) == 0:
         return 0, 0, False
     part = faces[members]
     edges = edge_faces(part)
     pieces = piece_count(range(len(part)), linked_faces(edges.values()))
-    around, links = defaultdict(list), defaultdict(list)
-    for face, corners in enumerate(part.tolist()):
-        for vertex in set(corners):
-            around[vertex].append(face)
-    for edge, users in edges.items():
-        for vertex in edge:
-            links[vertex] += pairwise(users)
+    around, links = faces_and_joints(part)
     bowties = sum(piece_count(around[vertex], links[vertex]) - 1 for vertex in around)
+    if fans_of_mesh is not None:
+        own = set(members.tolist())
+        bowties -= sum(
+            sum(not own.isdisjoint(fan) for fan in fans_of_mesh[vertex]) - 1 for vertex in around
+        )
     border = [edge for edge, users in edges.items() if len(users) == 1]
     border_vertices = {vertex for edge in border for vertex in edge}
     loops = piece_count(border_vertices, border)
