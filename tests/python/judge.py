@@ -28,10 +28,8 @@ class Judge:
         self.faces = np.asarray(faces)
         self.face_count = len(faces)
         ends = np.stack((self.faces, np.roll(self.faces, -1, axis=1)), axis=2).reshape(-1, 2)
-        _, edge, sides = np.unique(
-            np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
-        )
-        edge = edge.ravel()
+        low, high = np.sort(ends, axis=1).astype(np.int64).T
+        _, edge, sides = np.unique(low << 32 | high, return_inverse=True, return_counts=True)
         order = np.argsort(edge, kind="stable")
         order = order[sides[edge[order]] == 2]
         one, other = order[0::2], order[1::2]
@@ -72,9 +70,7 @@ class Judge:
         fans = pieces(3 * self.face_count, self.joints[alike]).max() + 1
         own = np.unique(self.fan_of_corner.astype(np.int64) * submesh_count + corner_labels)
         return Verdict(
-            boundary_edge_count=int(
-                (labels[self.pairs[:, 0]] != labels[self.pairs[:, 1]]).sum()
-            ),
+            boundary_edge_count=int((labels[self.pairs[:, 0]] != labels[self.pairs[:, 1]]).sum()),
             max_triangle_count_difference=int(counts.max() - counts.min()),
             min_submesh_triangles=int(counts.min()),
             disconnected_submesh_count=int((pieces_per_label > 1).sum()),

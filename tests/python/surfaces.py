@@ -278,6 +278,10 @@ def sample(name: str) -> Arrays:
     return load_arrays(PYMESHLAB_FOLDER / name)
 
 
+def bone_with_holes() -> Arrays:
+    return with_stars_cut_out(sample("bone.ply"), 12, 2)
+
+
 def _parameters(columns: int, rows: int, wrap_x: str, wrap_y: bool) -> Arrays:
     """Both parameters of each vertex of a grid: angles where it is wrapped, else in [0, 1]."""
     u = np.arange(columns) * 2 * np.pi / columns if wrap_x else np.linspace(0, 1, columns + 1)
@@ -310,9 +314,7 @@ SURFACES: dict[str, Surface] = {
     "cow with holes": Surface(
         lambda: with_stars_cut_out(sample("cow.obj"), 25, 1), euler=-23, border_loops=25
     ),
-    "bone with holes": Surface(
-        lambda: with_stars_cut_out(sample("bone.ply"), 12, 2), euler=-10, border_loops=12
-    ),
+    "bone with holes": Surface(bone_with_holes, euler=-10, border_loops=12),
     "airplane with holes": Surface(
         lambda: with_stars_cut_out(sample("airplane.obj"), 40, 3), euler=-38, border_loops=40
     ),

@@ -2,7 +2,6 @@
 """The surfaces of surfaces.py are what they claim to be, and the judge judges rightly."""
 
 from collections import Counter
-from itertools import pairwise
 
 import numpy as np
 import pytest
