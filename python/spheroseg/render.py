@@ -22,7 +22,8 @@ def render_labels(
     view: tuple[float, float, float] = (0.6, 0.35, 1.0),
     up: tuple[float, float, float] = (0.0, 1.0, 0.0),
 ) -> np.ndarray:
-    """Picture of a mesh with dark lines between its sub-meshes, seen from far along -view.
+    """Picture of a mesh with dark lines between its sub-meshes, seen from far along -view. Faces
+    are seen from both sides.
 
     vertices: (V, 3) float; faces: (F, 3) int; labels: (F,) int; face_colors: (F, 3) in [0, 1].
     Returns (height, width, 3) uint8 for size = (width, height). O(F + pixels).
@@ -74,8 +75,9 @@ def _shading(corners):
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     lamp = np.array([-0.3, -0.5, 0.81])
-    # Pixel rows grow downwards, so that outward normals point along -normals.
-    return 0.62 + 0.38 * np.clip(-normals @ (lamp / np.linalg.norm(lamp)), 0.0, 1.0)
+    # The side that is seen counts, so turn normals to the eye.
+    normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)
+    return 0.62 + 0.38 * np.clip(normals @ (lamp / np.linalg.norm(lamp)), 0.0, 1.0)
 
 
 def _visible_faces(corners, width, height):
@@ -86,8 +88,7 @@ def _visible_faces(corners, width, height):
     high = np.floor(corners[:, :, :2].max(axis=1) - 0.5).astype(int)
     a, b, c = (corners[:, i] for i in range(3))
     area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-    # Faces seen from outside turn clockwise here, because rows grow downwards.
-    for f in np.flatnonzero(area < 0.0):
+    for f in np.flatnonzero(area):
         x0, y0 = low[f]
         x1, y1 = min(high[f, 0], width - 1) + 1, min(high[f, 1], height - 1) + 1
         if x0 >= x1 or y0 >= y1:

@@ -8,7 +8,9 @@ import sys
 
 import numpy as np
 import pytest
+from judge import Judge
 from shapes import bumpy_sphere, octahedron, subdivided_sphere
+from surfaces import SURFACES
 
 from spheroseg import baselines
 from spheroseg.baselines import build_dual_graph, load
@@ -254,3 +256,36 @@ def test_absent_library_is_named_with_the_remedy(name, monkeypatch):
     vertices, faces = octahedron()
     with pytest.raises(ImportError, match=f"pip install {PACKAGES[name]}"):
         load(name)(vertices, faces, 2, 0)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_dual_graph_of_any_surface_has_the_judges_components_and_fans(name):
+    _, faces = SURFACES[name].make()
+    graph, judge = build_dual_graph(faces), Judge(faces)
+    pairs = {tuple(sorted(pair)) for pair in judge.pairs.tolist()}
+    assert {tuple(pair) for pair in graph.edges().tolist()} == pairs
+    assert len(graph.edges()) == len(pairs)
+    for found, expected in (
+        (graph.component_of_triangle(), judge.component_of_face),
+        (graph.fan_of_corner(faces).ravel(), judge.fan_of_corner),
+    ):
+        # The same partition: as many pairs as classes of either.
+        classes = len(np.unique(found))
+        assert classes == len(np.unique(expected))
+        assert classes == len(np.unique(np.column_stack((found, expected)), axis=0))
+
+
+def test_contiguous_metis_of_several_components_is_refused_and_not_garbage():
+    vertices, faces = SURFACES["touching discs"].make()
+    for name in ("metis_kway", "metis_tight", "metis_limit"):
+        with pytest.raises(RuntimeError, match="the mesh has 6"):
+            method(name)(vertices, faces, 12, 0)
+    assert len(np.unique(method("metis_recursive")(vertices, faces, 12, 0))) == 12
+
+
+@pytest.mark.parametrize("name", ["plane with holes", "klein bottle", "pinched ring", "50 spheres"])
+def test_region_growing_covers_any_surface(name):
+    vertices, faces = SURFACES[name].make()
+    labels = method("region_growing")(vertices, faces, 60, 1)
+    assert len(np.unique(labels)) == 60
+    assert labels.min() == 0

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import recount
+from judge import Judge
 from shapes import bumpy_sphere, octahedron
+from surfaces import SURFACES
 
 pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
@@ -83,6 +85,17 @@ def test_anatomy_of_two_triangles_that_touch_in_a_vertex():
     assert parts.bowtie_vertices.tolist() == [4, 4]  # once for each of the two sub-meshes
     assert parts.bowtie_counts.tolist() == [1, 1]
     assert parts.edge_counts.tolist() == [6, 6]
+
+
+@pytest.mark.parametrize("name", ["pinched spheres", "touching discs", "klein bottle", "soup"])
+def test_anatomy_of_any_surface_equals_the_judges(name):
+    _, faces = SURFACES[name].make()
+    labels = np.random.default_rng(3).integers(0, 6, size=len(faces)).astype(np.int32)
+    parts = anatomy(faces, build_dual_graph(faces), labels, 6)
+    verdict = Judge(faces).judge(labels, 6)
+    assert len(parts.bowtie_vertices) == verdict.bowtie_count == parts.bowtie_counts.sum()
+    assert len(parts.boundary_edges) == verdict.boundary_edge_count
+    assert parts.vertex_counts.tolist() == [len(np.unique(faces[labels == i])) for i in range(6)]
 
 
 def test_every_row_equals_an_independent_recount(evaluation):

@@ -8,7 +8,9 @@ import os
 import numpy as np
 import pymeshlab
 import pytest
+from judge import Judge
 from shapes import bumpy_sphere, octahedron
+from surfaces import SURFACES
 
 from spheroseg import atomic
 from spheroseg.cli import main
@@ -356,3 +358,15 @@ def test_commands_refuse_in_one_line(arguments, message, labelled_files, monkeyp
     said = capsys.readouterr().err
     assert message in said
     assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_any_surface_can_be_split_and_exported(tmp_path, name):
+    vertices, faces = SURFACES[name].make()
+    labels = np.arange(len(faces)) * 9 // len(faces)
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    write_split(submeshes, vertices, tmp_path, name)
+    assert len(list(tmp_path.glob("*.ply"))) == 9
+    export(submeshes, tmp_path / "all.glb")
+    judge = Judge(faces)
+    assert submeshes.shared_edges.sum() == 2 * judge.judge(labels, 9).boundary_edge_count

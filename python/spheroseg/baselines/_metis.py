@@ -13,9 +13,20 @@ from spheroseg.baselines.dual_graph import DualGraph
 def partition(
     faces: np.ndarray, k: int, seed: int, graph: DualGraph | None, *, recursive: bool, **options
 ) -> np.ndarray:
-    """Labels by METIS; `options` are METIS options by their lower-case names."""
+    """Labels by METIS; `options` are METIS options by their lower-case names.
+
+    Raises RuntimeError when contiguous parts are asked for on more than one component: METIS
+    refuses that, and pymetis then returns whatever was in memory.
+    """
     pymetis = require("pymetis")
     graph = checked_graph(faces, k, seed, graph)
+    if options.get("contig"):
+        component_count = len(np.unique(graph.component_of_triangle()))
+        if component_count > 1:
+            raise RuntimeError(
+                "METIS makes contiguous parts of one component only, but the mesh has "
+                f"{component_count}; compare with metis_recursive"
+            )
     # METIS leaves a single part's labels alone, and with a part per triangle it may leave parts
     # empty; neither is a question of quality.
     if k == 1:

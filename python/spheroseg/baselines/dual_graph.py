@@ -27,6 +27,34 @@ class DualGraph:
         once = source < self.adjacent
         return np.column_stack((source[once], self.adjacent[once]))
 
+    def component_of_triangle(self) -> np.ndarray:
+        """The lowest triangle of the connected component that each triangle is in."""
+        return lowest_connected(self.face_count, *self.edges().T)
+
+    def fan_of_corner(self, faces: np.ndarray) -> np.ndarray:
+        """(F, 3) numbers: the same for corners at one vertex whose triangles hang together there by
+        edges. A vertex where a surface is pinched has several such fans."""
+        face, side = np.nonzero(self.neighbours >= 0)
+        beyond = faces[self.neighbours[face, side]]
+        links = []
+        for corner in (side, (side + 1) % 3):
+            same = beyond == faces[face, corner][:, None]
+            links.append((3 * face + corner, 3 * self.neighbours[face, side] + same.argmax(axis=1)))
+        left, right = np.concatenate(links, axis=1)
+        return lowest_connected(3 * self.face_count, left, right).reshape(-1, 3)
+
+
+def lowest_connected(count: int, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """For each of `count` things the lowest one that links from `left` to `right` lead to."""
+    lowest = np.arange(count)
+    while (apart := lowest[left] != lowest[right]).any():
+        left, right = left[apart], right[apart]
+        pair = lowest[left], lowest[right]
+        np.minimum.at(lowest, np.maximum(*pair), np.minimum(*pair))
+        while (lowest != (further := lowest[lowest])).any():
+            lowest = further
+    return lowest
+
 
 def build_dual_graph(faces: np.ndarray) -> DualGraph:
     """Dual graph in O(F log F). Raises ValueError when an edge has more than two triangles."""

@@ -42,23 +42,25 @@ def anatomy(faces: np.ndarray, graph: DualGraph, labels: np.ndarray, k: int) -> 
     ends = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2)
     # Each cut edge is seen from both triangles: keep the view of the smaller one.
     first = cut & (np.arange(len(faces))[:, None] < neighbours)
-    # Around a vertex, a sub-mesh's t triangles with j inner joints form t - j fans, or one when
-    # they close up (t = j).
-    key = labels[:, None].astype(np.int64) * vertex_count + faces
-    pairs, index = np.unique(key, return_inverse=True)
+    # Each fan of the mesh counts as a vertex of its own. There a sub-mesh's t triangles with j
+    # inner joints form t - j fans, or one when they close up (t = j).
+    corners = graph.fan_of_corner(faces)
+    pairs, index = np.unique(
+        labels[:, None].astype(np.int64) * corners.size + corners, return_inverse=True
+    )
     index = index.reshape(-1, 3)
     triangles = np.bincount(index.ravel(), minlength=len(pairs))
-    joined = (neighbours >= 0) & ~cut
-    once = joined & (np.arange(len(faces))[:, None] < neighbours)
+    once = (neighbours >= 0) & ~cut & (np.arange(len(faces))[:, None] < neighbours)
     joints = np.bincount(index[once], minlength=len(pairs))
     joints += np.bincount(np.roll(index, -1, axis=1)[once], minlength=len(pairs))
     fans = np.maximum(triangles - joints, 1)
-    owner, vertex = np.divmod(pairs, vertex_count)
+    owner, corner = np.divmod(pairs, corners.size)
+    vertices_of_submesh = np.unique(labels[:, None].astype(np.int64) * vertex_count + faces)
     return Anatomy(
         boundary_edges=ends[first],
-        bowtie_vertices=np.repeat(vertex, fans - 1),
+        bowtie_vertices=np.repeat(faces.ravel()[corner], fans - 1),
         triangle_counts=np.bincount(labels, minlength=k),
-        vertex_counts=np.bincount(owner, minlength=k),
+        vertex_counts=np.bincount(vertices_of_submesh // vertex_count, minlength=k),
         edge_counts=np.bincount(here[cut], minlength=k),
         bowtie_counts=np.bincount(owner, weights=fans - 1, minlength=k).astype(np.int64),
     )
