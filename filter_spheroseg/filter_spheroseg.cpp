@@ -197,10 +197,17 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
                                        const RichParameterList& parameters,
                                        unsigned int& post_condition_mask,
                                        const Progress& progress) {
-    const SegmentOptions options = segment_options(parameters);
+    SegmentOptions options = segment_options(parameters);
     const bool colorize = parameters.getBool("colorize");
     const int mesh_id = document.mm()->id();
     HostMesh host = read_mesh(document.mm()->cm);
+    if (parameters.getEnum("initial_labels") == 1) {
+        options.initial_labels = read_labels(document.mm()->cm, host);
+    }
+    const std::string weight_attribute = parameters.getString("weight_attribute").toStdString();
+    if (options.balance == Balance::weight && !weight_attribute.empty()) {
+        options.face_weights = read_face_attribute(document.mm()->cm, host, weight_attribute);
+    }
     auto sphere_positions = read_sphere_positions(document.mm()->cm, host);
     const bool has_positions = sphere_positions.has_value();
     PreparedMesh& prepared =

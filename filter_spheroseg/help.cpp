@@ -37,7 +37,12 @@ const char* const kSegmentationHelp =
     "one piece and touches itself at no single vertex "
     "(no bowtie), and the boundaries between them are short. Say how many sub-meshes there shall "
     "be, or how many triangles each shall have; the other parameters can stay as they "
-    "are.<br>" SPHEROSEG_SURFACE
+    "are.<br>"
+    "With the balance <i>weight</i> the sub-meshes are equal by the areas of their triangles or by "
+    "a per-face custom scalar attribute instead, as far as whole triangles allow. With the initial "
+    "labels <i>face_quality</i> the labels now in face quality are repaired, balanced and refined; "
+    "they keep their numbers as far as possible (without gaps, in increasing order), and labels "
+    "that are valid already get no worse.<br>" SPHEROSEG_SURFACE
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
     "apart. The measures of the result are in the log. Labels depend on how the triangles are "
@@ -47,7 +52,8 @@ const char* const kSegmentationHelp =
     "<small><b>Returns</b> to PyMeshLab <i>submesh_count</i>, <i>triangle_count</i>, "
     "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
     ", <i>component_count</i>, <i>best_max_triangle_count_difference</i> (the least that the sizes "
-    "of the components allow), <i>cohesion_iterations</i>, <i>refinement_iterations</i>, "
+    "of the components allow), <i>weight_imbalance</i> (heaviest sub-mesh over the mean, by "
+    "triangle counts or weights), <i>cohesion_iterations</i>, <i>refinement_iterations</i>, "
     "<i>parametrization_seconds</i>, "
     "<i>cohesion_seconds</i>, <i>refinement_seconds</i>, <i>total_seconds</i>, "
     "<i>time_limit_hit</i>, <i>used_cuda</i>, and for each iteration (cohesion, then refinement) "

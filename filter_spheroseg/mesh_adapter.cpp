@@ -77,6 +77,29 @@ std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted) {
     return labels;
 }
 
+std::vector<double>
+read_face_attribute(const CMeshO& host, const HostMesh& adapted, const std::string& name) {
+    const auto attribute = Allocator::FindPerFaceAttribute<Scalarm>(host, name);
+    if (!Allocator::IsValidHandle<Scalarm>(host, attribute)) {
+        std::vector<std::string> names;
+        Allocator::GetAllPerFaceAttribute<Scalarm>(host, names);
+        std::string listed;
+        for (const std::string& other : names) {
+            listed += (listed.empty() ? "" : ", ") + other;
+        }
+        throw InvalidInput("A per-face custom scalar attribute \"" + name +
+                           "\" is expected as weight_attribute, but the mesh has " +
+                           (listed.empty() ? "none of any name" : "only " + listed) +
+                           ". Name one that is there, or leave weight_attribute empty for the "
+                           "areas.");
+    }
+    std::vector<double> values(adapted.face_index.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values[i] = static_cast<double>(attribute[adapted.face_index[i]]);
+    }
+    return values;
+}
+
 std::optional<std::vector<Vec3>> read_sphere_positions(const CMeshO& host,
                                                        const HostMesh& adapted) {
     const auto attribute = Allocator::FindPerVertexAttribute<Point3m>(host, kSpherePosition);

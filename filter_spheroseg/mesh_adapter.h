@@ -6,6 +6,7 @@
 #include <common/ml_document/cmesh.h>
 
 #include <optional>
+#include <string>
 
 namespace spheroseg {
 
@@ -25,6 +26,11 @@ HostMesh read_mesh(const CMeshO& host);
 /// Labels in face quality. Throws InvalidInput when the mesh has no face quality, or when a value
 /// is not a whole number in [0, 2^24): a single precision host holds no larger ones exactly.
 std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted);
+
+/// A per-face custom scalar attribute. Throws InvalidInput when the mesh has none with this name;
+/// the message lists those that it has.
+std::vector<double>
+read_face_attribute(const CMeshO& host, const HostMesh& adapted, const std::string& name);
 
 /// The `sphere_position` attribute, or nothing when the mesh has none.
 std::optional<std::vector<Vec3>> read_sphere_positions(const CMeshO& host, const HostMesh& adapted);

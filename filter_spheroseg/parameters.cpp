@@ -9,6 +9,8 @@ namespace {
 const QStringList kMethods = {"fast", "all_pairs"};
 const QStringList kEfforts = {"draft", "standard", "high"};
 const QStringList kDevices = {"auto", "cpu", "cuda"};
+const QStringList kBalances = {"triangle_count", "weight"};
+const QStringList kInitialLabels = {"none", "face_quality"};
 
 int default_submesh_count(int face_count) {
     const SegmentOptions defaults;
@@ -31,6 +33,30 @@ void add_limits(RichParameterList& parameters, const SegmentOptions& defaults) {
                                   "Stop improving after this time. The result is still valid and "
                                   "balanced, and time_limit_hit says that it was cut short. 0: no "
                                   "limit."));
+}
+
+void add_balance_and_start(RichParameterList& parameters, const SegmentOptions& defaults) {
+    parameters.addParam(RichEnum("balance",
+                                 static_cast<int>(defaults.balance),
+                                 kBalances,
+                                 "Balance",
+                                 "'triangle_count': triangle counts differ by at most one. "
+                                 "'weight': the heaviest sub-mesh is as near to the mean weight as "
+                                 "can be reached; method 'fast' only."));
+    parameters.addParam(RichString("weight_attribute",
+                                   "",
+                                   "Weight attribute",
+                                   "With the balance 'weight': name of a per-face custom scalar "
+                                   "attribute with the weight of each face (0 or more). Empty: the "
+                                   "areas of the triangles."));
+    parameters.addParam(RichEnum("initial_labels",
+                                 0,
+                                 kInitialLabels,
+                                 "Start from labels",
+                                 "'face_quality': repair, balance and refine the labels now in the "
+                                 "face quality; the number of sub-meshes is that of the different "
+                                 "labels, and the parameters for it are ignored. Method 'fast' "
+                                 "only."));
 }
 
 } // namespace
@@ -75,6 +101,7 @@ RichParameterList segmentation_parameters(int face_count) {
     parameters.addParam(RichInt(
         "thread_count", defaults.thread_count, "Threads", "Number of threads. 0: all cores."));
     add_limits(parameters, defaults);
+    add_balance_and_start(parameters, defaults);
     parameters.addParam(RichBool("colorize",
                                  true,
                                  "Colour the faces",
@@ -92,6 +119,7 @@ SegmentOptions segment_options(const RichParameterList& parameters) {
                              std::to_string(options.submesh_count) +
                              ". Ask for between 1 and as many sub-meshes as triangles.");
     }
+    options.balance = static_cast<Balance>(parameters.getEnum("balance"));
     options.method = static_cast<Method>(parameters.getEnum("method"));
     options.effort = static_cast<Effort>(parameters.getEnum("effort"));
     options.device = static_cast<Device>(parameters.getEnum("device"));

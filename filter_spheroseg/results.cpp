@@ -40,6 +40,7 @@ Results segmentation_results(const Segmentation& segmentation) {
     results["max_submesh_triangles"] = measures.max_submesh_triangles;
     results["component_count"] = segmentation.component_count;
     results["best_max_triangle_count_difference"] = segmentation.best_max_triangle_count_difference;
+    results["weight_imbalance"] = segmentation.weight_imbalance;
     results["cohesion_iterations"] = segmentation.cohesion_iterations;
     results["refinement_iterations"] = segmentation.refinement_iterations;
     results["parametrization_seconds"] = segmentation.parametrization_seconds;
@@ -88,6 +89,9 @@ std::string summary(const Segmentation& segmentation) {
         text << "; " << segmentation.component_count << " components, which allow a difference of "
              << segmentation.best_max_triangle_count_difference << " triangles at best";
     }
+    if (segmentation.balance == Balance::weight) {
+        text << "; heaviest sub-mesh " << segmentation.weight_imbalance << " times the mean";
+    }
     if (segmentation.time_limit_hit) {
         text << " (time limit hit)";
     }
@@ -104,8 +108,9 @@ std::string shortcomings(const Segmentation& segmentation) {
             separator = ", ";
         }
     };
-    add(measures.max_triangle_count_difference >
-            std::max(1, segmentation.best_max_triangle_count_difference),
+    add(segmentation.balance == Balance::triangle_count &&
+            measures.max_triangle_count_difference >
+                std::max(1, segmentation.best_max_triangle_count_difference),
         measures.max_triangle_count_difference,
         " triangles between the largest and the smallest sub-mesh");
     add(measures.disconnected_submesh_count > 0,

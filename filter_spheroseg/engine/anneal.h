@@ -48,4 +48,11 @@ void anneal_balanced(Patchwork& patchwork,
                      const AnnealSchedule& schedule,
                      const AnnealControl& control);
 
+/// The same on a patchwork of any weights: a move is made only when both loads are at or below
+/// `limit` afterwards, by itself or together with a move back.
+void anneal_below(Patchwork& patchwork,
+                  int limit,
+                  const AnnealSchedule& schedule,
+                  const AnnealControl& control);
+
 } // namespace spheroseg

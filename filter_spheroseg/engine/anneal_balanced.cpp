@@ -12,7 +12,8 @@ constexpr int kPartnerTries = 16;
 /// The most that a single move back can save.
 constexpr int kBestPartner = 1;
 
-struct Balance {
+/// The loads that are allowed.
+struct LoadRange {
     int floor;
     int ceiling;
 };
@@ -24,7 +25,7 @@ public:
                    Grouping& grouping,
                    int group,
                    const Phase& phase,
-                   const Balance& balance,
+                   const LoadRange& balance,
                    std::vector<std::vector<int>>& faces_of_label)
         : patchwork_(patchwork), balance_(balance), faces_of_label_(faces_of_label),
           source_(patchwork, boundary, grouping, group, phase) {
@@ -101,7 +102,7 @@ private:
             if (corner == 3) {
                 continue;
             }
-            const bool as_fan = first.weight > 1;
+            const bool as_fan = first.face_count > 1;
             Fan fan;
             if (describe(face, corner, as_fan, (bits >> 1) & 1, fan) && fan.move.to == first.from &&
                 fan.move.boundary_change <= allowance &&
@@ -131,24 +132,17 @@ private:
     }
 
     Patchwork& patchwork_;
-    const Balance balance_;
+    const LoadRange balance_;
     std::vector<std::vector<int>>& faces_of_label_;
     ProposalSource source_;
     std::int64_t change_ = 0;
 };
 
-} // namespace
-
-void anneal_balanced(Patchwork& patchwork,
-                     const AnnealSchedule& schedule,
-                     const AnnealControl& control) {
-    const int submesh_count = patchwork.submesh_count();
-    if (submesh_count < 2) {
-        return;
-    }
-    const int floor = patchwork.face_count() / submesh_count;
-    const Balance balance{floor, floor + (patchwork.face_count() % submesh_count != 0)};
-    std::vector<std::vector<int>> faces_of_label(submesh_count);
+void anneal_within(Patchwork& patchwork,
+                   const AnnealSchedule& schedule,
+                   const AnnealControl& control,
+                   const LoadRange& balance) {
+    std::vector<std::vector<int>> faces_of_label(patchwork.submesh_count());
     run_phases(patchwork,
                schedule,
                1.0,
@@ -159,6 +153,28 @@ void anneal_balanced(Patchwork& patchwork,
                               patchwork, boundary, grouping, group, phase, balance, faces_of_label)
                        .run();
                });
+}
+
+} // namespace
+
+void anneal_balanced(Patchwork& patchwork,
+                     const AnnealSchedule& schedule,
+                     const AnnealControl& control) {
+    const int submesh_count = patchwork.submesh_count();
+    if (submesh_count > 1) {
+        const int floor = patchwork.face_count() / submesh_count;
+        const int ceiling = floor + (patchwork.face_count() % submesh_count != 0);
+        anneal_within(patchwork, schedule, control, {floor, ceiling});
+    }
+}
+
+void anneal_below(Patchwork& patchwork,
+                  int limit,
+                  const AnnealSchedule& schedule,
+                  const AnnealControl& control) {
+    if (patchwork.submesh_count() > 1) {
+        anneal_within(patchwork, schedule, control, {0, limit});
+    }
 }
 
 } // namespace spheroseg

@@ -12,8 +12,8 @@ namespace {
 
 class Balancer {
 public:
-    explicit Balancer(Patchwork& patchwork)
-        : patchwork_(patchwork), faces_of_(patchwork.submesh_count()),
+    Balancer(Patchwork& patchwork, std::int64_t max_searches)
+        : patchwork_(patchwork), searches_left_(max_searches), faces_of_(patchwork.submesh_count()),
           parent_(patchwork.submesh_count(), -1), arc_of_(patchwork.submesh_count(), -1) {
         const BoundaryFaces boundary(patchwork, 1);
         for (int f : boundary.faces()) {
@@ -25,11 +25,13 @@ public:
 
     bool run() {
         std::int64_t least = imbalance();
-        for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds; ++idle_rounds) {
+        for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds && searches_left_ > 0;
+             ++idle_rounds) {
             for (int l = 0; l < patchwork_.submesh_count(); ++l) {
                 // A chain that breaks leaves its face on the way, so the same label may be off
                 // again: no more tries than it had faces too many or too few.
-                for (int left = deviation(l); left > 0 && deviation(l) > 0; --left) {
+                for (int left = deviation(l); left > 0 && deviation(l) > 0 && searches_left_ > 0;
+                     --left) {
                     const bool outward = patchwork_.load[l] > ceiling_;
                     if (!(idle_rounds > 0 ? wander(l, outward) : relieve(l, outward))) {
                         break;
@@ -80,6 +82,7 @@ private:
 
     /// The best allowed move to (or, not `outward`, from) each neighbour of a sub-mesh.
     const std::vector<Arc>& arcs(int label, bool outward) {
+        --searches_left_;
         arcs_.clear();
         std::vector<int>& faces = faces_of_[label];
         for (std::size_t i = 0; i < faces.size();) {
@@ -216,6 +219,7 @@ private:
     }
 
     Patchwork& patchwork_;
+    std::int64_t searches_left_;
     std::vector<std::vector<int>> faces_of_;
     std::vector<int> parent_;
     std::vector<int> arc_of_;
@@ -228,8 +232,8 @@ private:
 
 } // namespace
 
-bool balance_exactly(Patchwork& patchwork) {
-    return Balancer(patchwork).run();
+bool balance_exactly(Patchwork& patchwork, std::int64_t max_searches) {
+    return Balancer(patchwork, max_searches).run();
 }
 
 } // namespace spheroseg

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "component_segmentation.h"
 
+#include "face_weights.h"
 #include "fast_segmentation.h"
+#include "initial_labels.h"
 #include "parallel_failure.h"
 #include "shares.h"
 #include "threads.h"
+#include "warm_start.h"
 
 #include <algorithm>
 #include <atomic>
@@ -38,12 +41,7 @@ public:
         for (const Component& component : *components_) {
             face_counts.push_back(component.face_count());
         }
-        Shares shares = share_submeshes(face_counts, submesh_count);
-        result_.best_max_triangle_count_difference = shares.max_triangle_count_difference;
-        submesh_counts_ = std::move(shares.submesh_counts);
-        first_label_.assign(submesh_counts_.size(), 0);
-        std::partial_sum(
-            submesh_counts_.begin(), submesh_counts_.end() - 1, first_label_.begin() + 1);
+        share_out(face_counts, submesh_count);
         result_.labels.resize(prepared_.mesh().face_count());
 
         std::vector<int> small;
@@ -66,6 +64,51 @@ public:
     }
 
 private:
+    /// How many sub-meshes each component gets, and which labels.
+    void share_out(const std::vector<int>& face_counts, int submesh_count) {
+        if (options_.balance == Balance::weight) {
+            weights_ = weights_of(options_, prepared_.mesh());
+            // What lies above the ideal load can not be shared.
+            const double ideal = ideal_load(weights_, submesh_count);
+            std::vector<double> sums;
+            for (const Component& component : *components_) {
+                double sum = 0.0;
+                for (int f = 0; f < component.face_count() && ideal > 0.0; ++f) {
+                    sum += std::min(weights_[component.mesh_face(f)] / ideal, 1.0);
+                }
+                sums.push_back(sum);
+            }
+            submesh_counts_ = share_submeshes_by_weight(sums, face_counts, submesh_count);
+        } else {
+            Shares shares = share_submeshes(face_counts, submesh_count);
+            result_.best_max_triangle_count_difference = shares.max_triangle_count_difference;
+            submesh_counts_ = std::move(shares.submesh_counts);
+        }
+        if (!options_.initial_labels.empty()) {
+            labels_ =
+                share_labels(*components_, submesh_counts_, compacted(options_.initial_labels));
+        }
+        labels_.resize(components_->size());
+        int label = 0;
+        for (std::size_t i = 0; i < labels_.size(); ++i) {
+            labels_[i].names.resize(submesh_counts_[i]);
+            if (options_.initial_labels.empty()) {
+                std::iota(labels_[i].names.begin(), labels_[i].names.end(), label);
+            }
+            label += submesh_counts_[i];
+        }
+    }
+
+    FaceData data_of(int i) const {
+        const Component& component = (*components_)[i];
+        FaceData data;
+        data.initial_labels = labels_[i].labels;
+        for (int f = 0; f < component.face_count() && !weights_.empty(); ++f) {
+            data.weights.push_back(weights_[component.mesh_face(f)]);
+        }
+        return data;
+    }
+
     double done() const {
         return static_cast<double>(done_faces_.load()) / prepared_.mesh().face_count();
     }
@@ -113,12 +156,13 @@ private:
                               is_sphere ? &prepared_ : nullptr,
                               options,
                               submesh_counts_[i],
+                              data_of(i),
                               deadline_,
                               progress,
                               part);
         }
         for (int f = 0; f < component.face_count(); ++f) {
-            result_.labels[component.mesh_face(f)] = first_label_[i] + part.labels[f];
+            result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
         }
         const std::lock_guard<std::mutex> lock(result_mutex_);
         add_iterations(part);
@@ -158,7 +202,8 @@ private:
     Segmentation& result_;
     std::vector<Component>* components_ = nullptr;
     std::vector<int> submesh_counts_;
-    std::vector<int> first_label_;
+    std::vector<double> weights_;
+    std::vector<ComponentLabels> labels_;
     std::atomic<int> done_faces_{0};
     std::mutex result_mutex_;
 };

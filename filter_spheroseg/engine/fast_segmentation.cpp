@@ -6,10 +6,13 @@
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "face_weights.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"
 #include "sphere_bisection.h"
+#include "warm_start.h"
+#include "weight_balance.h"
 
 #include <algorithm>
 #include <utility>
@@ -67,20 +70,28 @@ public:
                      PreparedMesh* whole,
                      const SegmentOptions& options,
                      int submesh_count,
+                     const FaceData& data,
                      const Deadline& deadline,
                      const Progress& progress,
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), submesh_count_(submesh_count),
-          deadline_(deadline), progress_(progress), result_(result),
+          data_(data), deadline_(deadline), progress_(progress), result_(result),
           budget_(budget_of(options.effort)) {}
 
     void run() {
         const Deadline watch;
         multilevel_ =
             &component_.multilevel(options_.thread_count, sub_progress(progress_, 0, 0.2));
+        if (by_weight()) {
+            weighted_.emplace(multilevel_->hierarchy(),
+                              component_.face_count(),
+                              quantized_weights(data_.weights, submesh_count_));
+            multilevel_ = &*weighted_;
+        }
         result_.parametrization_seconds += watch.elapsed_seconds();
-        const int wanted_starts = options_.effort == Effort::high ? kHighStarts : 1;
-        std::int64_t least_cost = -1;
+        const int wanted_starts =
+            options_.effort == Effort::high && data_.initial_labels.empty() ? kHighStarts : 1;
+        consider_input();
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts, start + 1);
             start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
@@ -88,15 +99,9 @@ public:
             Patchwork patchwork = first_labels(start, wanted_starts);
             patchwork.may_close_rings = start == 0 || any_valid_;
             refine_levels(patchwork);
-            const auto [least, most] =
-                std::minmax_element(patchwork.load.begin(), patchwork.load.end());
-            const bool valid = *most - *least <= 1 && forced_faces_ == 0;
-            // Validity before boundary: an invalid result loses against any valid one.
-            const std::int64_t cost = count_boundary_edges(patchwork, options_.thread_count) +
-                (valid ? 0 : std::int64_t{1} << 40);
-            if (least_cost < 0 || cost < least_cost) {
-                least_cost = cost;
-                result_.labels = multilevel_->labels(patchwork);
+            const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
+            if (valid && start > 0 && !data_.initial_labels.empty()) {
+                rename_like(result_.labels, data_.initial_labels, submesh_count_);
             }
             any_valid_ = any_valid_ || valid;
             // Even out of time an invalid result is worth another start.
@@ -110,11 +115,66 @@ public:
     }
 
 private:
+    bool by_weight() const { return !data_.weights.empty(); }
+
+    /// Initial labels that are valid already are a result to beat.
+    void consider_input() {
+        const std::vector<int>& labels = data_.initial_labels;
+        if (labels.empty() || *std::min_element(labels.begin(), labels.end()) < 0) {
+            return;
+        }
+        Patchwork patchwork = input_labels();
+        const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
+        if (std::find(sound.begin(), sound.end(), 0) == sound.end() &&
+            (by_weight() || is_balanced(patchwork))) {
+            keep_if_better(patchwork, true);
+        }
+    }
+
+    Patchwork input_labels() const {
+        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
+        multilevel_->set_labels(patchwork, data_.initial_labels);
+        return patchwork;
+    }
+
+    static bool is_balanced(const Patchwork& patchwork) {
+        const auto [least, most] =
+            std::minmax_element(patchwork.load.begin(), patchwork.load.end());
+        return *most - *least <= 1;
+    }
+
+    /// Keeps the labels if no better ones were met. `sound`: every sub-mesh is connected and free
+    /// of bowties. Returns true when they are valid.
+    bool keep_if_better(const Patchwork& patchwork, bool sound) {
+        const bool valid = sound && (by_weight() || is_balanced(patchwork));
+        // Validity before weight before boundary.
+        std::int64_t cost = valid ? 0 : std::int64_t{1} << 62;
+        if (by_weight()) {
+            const std::int64_t excess =
+                std::max(0, heaviest_load(patchwork) - near_enough(patchwork));
+            const std::int64_t unit =
+                std::max(1, multilevel_->total_weight() / submesh_count_ / 1000);
+            cost += ((excess + unit - 1) / unit) << 32;
+        }
+        cost += count_boundary_edges(patchwork, options_.thread_count);
+        if (least_cost_ < 0 || cost < least_cost_) {
+            least_cost_ = cost;
+            result_.labels = multilevel_->labels(patchwork);
+        }
+        return valid;
+    }
+
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
     Patchwork first_labels(int start, int wanted_starts) {
-        const bool on_sphere =
-            whole_ && start == 1 && wanted_starts > 1 && submesh_count_ >= kManySubmeshes;
+        is_warm_ = start == 0 && !data_.initial_labels.empty();
+        if (is_warm_) {
+            Patchwork patchwork = input_labels();
+            forced_faces_ = adopt_labels(patchwork, seed_);
+            return patchwork;
+        }
+        const bool on_sphere = whole_ && start == 1 && wanted_starts > 1 && !by_weight() &&
+            submesh_count_ >= kManySubmeshes;
         Patchwork patchwork = on_sphere ? sphere_start() : graph_start(start);
         forced_faces_ = repair(patchwork);
         return patchwork;
@@ -212,8 +272,10 @@ private:
         set_balance(schedule, patchwork, 0.5, 5.0);
         in_label_order(patchwork, [&](Patchwork& finest) {
             anneal(finest, schedule, control(&deadline_, done, 0.7));
-            if (balance(finest)) {
-                exchange(finest);
+            if (by_weight()) {
+                balance_by_weight(finest, exchanges(), control(&deadline_, 0.7, 1.0));
+            } else if (balance(finest)) {
+                anneal_balanced(finest, exchanges(), control(&deadline_, 0.7, 1.0));
             }
         });
         result_.refinement_seconds += watch.elapsed_seconds();
@@ -230,7 +292,22 @@ private:
         take_labels(patchwork, sorted);
     }
 
+    /// At most a tenth of all faces are too many where they are.
+    bool is_near_balance(const Patchwork& patchwork) const {
+        const int ceiling = (patchwork.face_count() + submesh_count_ - 1) / submesh_count_;
+        std::int64_t excess = 0;
+        for (int load : patchwork.load) {
+            excess += std::max(0, load - ceiling);
+        }
+        return 10 * excess <= patchwork.face_count();
+    }
+
     bool balance(Patchwork& patchwork) {
+        if (is_warm_) {
+            // A start of our own is better than a long search.
+            return is_near_balance(patchwork) &&
+                balance_exactly(patchwork, 20 * static_cast<std::int64_t>(patchwork.face_count()));
+        }
         bool balanced = balance_exactly(patchwork);
         for (int i = 0; i < kBalanceTries && !balanced; ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
@@ -249,7 +326,7 @@ private:
         return balanced;
     }
 
-    void exchange(Patchwork& patchwork) {
+    AnnealSchedule exchanges() const {
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_ + 2000;
@@ -257,7 +334,7 @@ private:
         schedule.temperature_end = 0.08;
         schedule.proposals_per_face = budget_.exchange_proposals;
         schedule.phase_count = budget_.level_phases;
-        anneal_balanced(patchwork, schedule, control(&deadline_, 0.7, 1.0));
+        return schedule;
     }
 
     AnnealControl control(const Deadline* deadline, double begin, double end) {
@@ -278,14 +355,18 @@ private:
     PreparedMesh* const whole_;
     const SegmentOptions& options_;
     const int submesh_count_;
+    const FaceData& data_;
     const Deadline& deadline_;
     const Progress& progress_;
     Progress start_progress_;
     Segmentation& result_;
     const Budget budget_;
     const Multilevel* multilevel_ = nullptr;
+    std::optional<Multilevel> weighted_;
+    std::int64_t least_cost_ = -1;
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;
+    bool is_warm_ = false;
     bool any_valid_ = false;
 };
 
@@ -295,10 +376,12 @@ void segment_component(Component& component,
                        PreparedMesh* whole,
                        const SegmentOptions& options,
                        int submesh_count,
+                       const FaceData& data,
                        const Deadline& deadline,
                        const Progress& progress,
                        Segmentation& result) {
-    FastSegmentation(component, whole, options, submesh_count, deadline, progress, result).run();
+    FastSegmentation(component, whole, options, submesh_count, data, deadline, progress, result)
+        .run();
 }
 
 } // namespace spheroseg

@@ -2,11 +2,16 @@
 #include "multilevel.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace spheroseg {
 
-Multilevel::Multilevel(const CollapseHierarchy& hierarchy, int face_count)
-    : hierarchy_(&hierarchy), cell_of_face_(face_count), weight_(face_count, 1) {
+Multilevel::Multilevel(const CollapseHierarchy& hierarchy,
+                       int face_count,
+                       const std::vector<int>& weights)
+    : hierarchy_(&hierarchy), cell_of_face_(face_count), weight_(weights) {
+    weight_.resize(face_count, 1);
+    total_weight_ = std::accumulate(weight_.begin(), weight_.end(), 0);
     const int step_count = hierarchy.step_count();
     const auto base_count = static_cast<int>(hierarchy.base_faces.size());
     for (int step = 0; step < step_count; ++step) {
@@ -45,7 +50,7 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count) const {
     patchwork.cells.reserve(cell_of_face_.size());
     patchwork.cells = base_.cells;
     patchwork.load.assign(submesh_count, 0);
-    patchwork.load[0] = face_count();
+    patchwork.load[0] = total_weight_;
     uncoarsen(patchwork, min_face_count);
     return patchwork;
 }
@@ -124,7 +129,9 @@ void Multilevel::set_labels(Patchwork& patchwork, const std::vector<int>& labels
     for (std::size_t f = 0; f < labels.size(); ++f) {
         Cell& cell = patchwork.cells[cell_of_face_[f]];
         cell.label = labels[f];
-        patchwork.load[cell.label] += cell.weight;
+        if (cell.label >= 0) {
+            patchwork.load[cell.label] += cell.weight;
+        }
     }
 }
 

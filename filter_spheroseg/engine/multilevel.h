@@ -7,14 +7,18 @@
 namespace spheroseg {
 
 /// Coarse versions of a mesh as patchworks, and the way back. A face of a coarse mesh weighs as
-/// many faces of the input mesh as it stands for. The k-independent part of a segmentation.
+/// much as the faces of the input mesh that it stands for. The k-independent part of a
+/// segmentation.
 ///
 /// Cells are numbered in the order in which they appear, coarse ones first, so that every level
 /// is a prefix of the next one.
 class Multilevel {
 public:
-    /// `hierarchy` must outlive this object. O(F).
-    Multilevel(const CollapseHierarchy& hierarchy, int face_count);
+    /// `hierarchy` must outlive this object. `weights` has one whole number >= 1 per face of the
+    /// input mesh, with a sum below 2^30; empty: all 1. O(F).
+    Multilevel(const CollapseHierarchy& hierarchy,
+               int face_count,
+               const std::vector<int>& weights = {});
 
     /// The coarsest level with at least `min_face_count` faces (the finest one if there is none),
     /// with all labels 0.
@@ -28,10 +32,14 @@ public:
     /// Labels of the finest level in the order of the input mesh's faces.
     std::vector<int> labels(const Patchwork& patchwork) const;
 
-    /// The reverse, on the finest level: takes one label per face of the input mesh.
+    /// The reverse, on the finest level: takes one label per face of the input mesh; -1:
+    /// unassigned.
     void set_labels(Patchwork& patchwork, const std::vector<int>& labels) const;
 
     int face_count() const { return static_cast<int>(cell_of_face_.size()); }
+    const CollapseHierarchy& hierarchy() const { return *hierarchy_; }
+    /// Sum of the weights of all faces.
+    int total_weight() const { return total_weight_; }
 
 private:
     void undo(Patchwork& patchwork, int step) const;
@@ -40,6 +48,7 @@ private:
     std::vector<int> cell_of_face_;
     /// Weight of each face when it was collapsed, or at the end.
     std::vector<int> weight_;
+    int total_weight_ = 0;
     Patchwork base_;
 };
 

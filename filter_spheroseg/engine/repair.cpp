@@ -10,7 +10,8 @@ namespace {
 
 class Repair {
 public:
-    explicit Repair(Patchwork& patchwork) : patchwork_(patchwork) {}
+    Repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound)
+        : patchwork_(patchwork), sound_(sound) {}
 
     int run() {
         keep_cores();
@@ -41,7 +42,9 @@ private:
         std::vector<int> seeds(submesh_count, -1);
         std::vector<std::uint8_t> seen(face_count, 0);
         for (int l = 0; l < submesh_count; ++l) {
-            seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
+            if (!sound_[l]) {
+                seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
+            }
         }
         for (Cell& cell : patchwork_.cells) {
             cell.label = candidate(cell.label);
@@ -50,6 +53,9 @@ private:
         for (int l = 0; l < submesh_count; ++l) {
             if (seeds[l] >= 0) {
                 grow_core(seeds[l], l);
+            }
+            for (int i = begin[l]; i < begin[l + 1] && sound_[l]; ++i) {
+                take(faces[i], l);
             }
         }
         for (Cell& cell : patchwork_.cells) {
@@ -231,6 +237,7 @@ private:
     }
 
     Patchwork& patchwork_;
+    const std::vector<std::uint8_t>& sound_;
     std::vector<int> queue_;
     int donor_ = -1;
 };
@@ -238,7 +245,11 @@ private:
 } // namespace
 
 int repair(Patchwork& patchwork) {
-    return Repair(patchwork).run();
+    return repair(patchwork, std::vector<std::uint8_t>(patchwork.submesh_count(), 0));
+}
+
+int repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound) {
+    return Repair(patchwork, sound).run();
 }
 
 } // namespace spheroseg

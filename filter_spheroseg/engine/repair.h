@@ -3,6 +3,8 @@
 
 #include "patchwork.h"
 
+#include <cstdint>
+
 namespace spheroseg {
 
 /// Makes every sub-mesh edge-connected and free of bowties, whatever the labels (each in
@@ -11,5 +13,9 @@ namespace spheroseg {
 /// Loads are brought up to date; they may be far from balanced. Returns the number of faces that
 /// no sub-mesh could take without a bowtie; these got the label of a neighbour nevertheless.
 int repair(Patchwork& patchwork);
+
+/// The same, but the sub-meshes with a non-zero entry in `sound` (one entry per sub-mesh), which
+/// have a face, are edge-connected and free of bowties, keep all their faces.
+int repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound);
 
 } // namespace spheroseg

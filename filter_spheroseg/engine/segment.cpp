@@ -5,6 +5,8 @@
 #include "all_pairs_refinement.h"
 #include "component_segmentation.h"
 #include "device_swaps.h"
+#include "face_weights.h"
+#include "warm_start.h"
 
 #include <algorithm>
 #include <utility>
@@ -169,6 +171,9 @@ bool PreparedMesh::set_parametrization(std::vector<Vec3> sphere_positions) {
 }
 
 int requested_submesh_count(const SegmentOptions& options, int face_count) {
+    if (!options.initial_labels.empty()) {
+        return distinct_label_count(options.initial_labels);
+    }
     if (options.triangles_per_submesh > 0) {
         return face_count / options.triangles_per_submesh +
             (face_count % options.triangles_per_submesh != 0);
@@ -180,6 +185,50 @@ int requested_submesh_count(const SegmentOptions& options, int face_count) {
         (face_count + kFacesPerDefaultSubmesh - 1) / kFacesPerDefaultSubmesh;
     return std::clamp(small_mesh_count, 1, kDefaultSubmeshCount);
 }
+
+namespace {
+
+void check_weights(const SegmentOptions& options, const TriangleMesh& mesh) {
+    if (options.balance == Balance::triangle_count) {
+        if (!options.face_weights.empty()) {
+            throw InvalidOptions(
+                "No face weights are expected with balance \"triangle_count\", but "
+                "there are " +
+                std::to_string(options.face_weights.size()) + ". Use balance \"weight\".");
+        }
+        return;
+    }
+    if (options.method != Method::fast) {
+        throw InvalidOptions("Expected method \"fast\" with balance \"weight\", found "
+                             "\"all_pairs\", which balances triangle counts only.");
+    }
+    check_face_weights(weights_of(options, mesh), mesh.face_count());
+}
+
+void check_initial_labels(const SegmentOptions& options, int face_count) {
+    const std::vector<int>& labels = options.initial_labels;
+    if (labels.empty()) {
+        return;
+    }
+    if (options.method != Method::fast) {
+        throw InvalidOptions("Expected method \"fast\" with initial labels, found \"all_pairs\", "
+                             "which starts from random labels.");
+    }
+    if (labels.size() != static_cast<std::size_t>(face_count)) {
+        throw InvalidOptions("One initial label per face is expected (" +
+                             std::to_string(face_count) + "), but there are " +
+                             std::to_string(labels.size()) + ".");
+    }
+    const auto negative =
+        std::find_if(labels.begin(), labels.end(), [](int label) { return label < 0; });
+    if (negative != labels.end()) {
+        throw InvalidOptions("Initial labels must be 0 or more, but face " +
+                             std::to_string(negative - labels.begin()) + " has " +
+                             std::to_string(*negative) + ". Correct the labels.");
+    }
+}
+
+} // namespace
 
 void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     const std::string defect = options.method == Method::fast
@@ -194,6 +243,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     refuse_negative(options.max_refinement_iterations, "max_refinement_iterations");
     refuse_negative(options.time_limit_seconds, "time_limit_seconds");
     const int face_count = mesh.mesh().face_count();
+    check_weights(options, mesh.mesh());
+    check_initial_labels(options, face_count);
     const int submesh_count = requested_submesh_count(options, face_count);
     if (submesh_count < 1 || submesh_count > face_count) {
         throw InvalidOptions("submesh_count must lie in [1, " + std::to_string(face_count) +
@@ -233,6 +284,11 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
         break;
     }
     result.measures = measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count);
+    result.balance = options.balance;
+    result.weight_imbalance = options.balance == Balance::weight
+        ? weight_imbalance(weights_of(options, mesh.mesh()), result.labels, submesh_count)
+        : static_cast<double>(result.measures.max_submesh_triangles) * submesh_count /
+            mesh.mesh().face_count();
     result.total_seconds = deadline.elapsed_seconds();
     report_progress(rising, 1.0, "Done");
     return result;

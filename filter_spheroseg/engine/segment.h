@@ -14,6 +14,7 @@ namespace spheroseg {
 enum class Method { fast, all_pairs };
 enum class Effort { draft, standard, high };
 enum class Device { automatic, cpu, cuda };
+enum class Balance { triangle_count, weight };
 
 struct SegmentOptions {
     /// Number of sub-meshes k, in [1, F]; 0: 200, or ceil(F / 10) for meshes under 2,000 faces.
@@ -34,6 +35,13 @@ struct SegmentOptions {
     /// 0: none. When it is hit the result is still valid and balanced as far as the method
     /// guarantees it, and `time_limit_hit` is set.
     double time_limit_seconds = 0.0;
+    /// What the sub-meshes shall have the same of; `weight` is for `fast` only.
+    Balance balance = Balance::triangle_count;
+    /// With `Balance::weight`: one finite weight >= 0 per face, not all 0. Empty: the areas.
+    std::vector<double> face_weights;
+    /// Labels >= 0 to start from, one per face; empty: none. k is then the number of different
+    /// ones, and `submesh_count` and `triangles_per_submesh` are not used. For `fast` only.
+    std::vector<int> initial_labels;
 };
 
 struct Segmentation {
@@ -46,6 +54,9 @@ struct Segmentation {
     int component_count = 0;
     /// The least MTCD that the sizes of the components allow (1 or 0 when there is one).
     int best_max_triangle_count_difference = 0;
+    Balance balance = Balance::triangle_count;
+    /// Heaviest sub-mesh over the mean; by triangle counts unless the balance is by weight.
+    double weight_imbalance = 1.0;
     int cohesion_iterations = 0;
     int refinement_iterations = 0;
     double parametrization_seconds = 0.0;
@@ -54,9 +65,11 @@ struct Segmentation {
     double total_seconds = 0.0;
     bool time_limit_hit = false;
     bool used_cuda = false;
-    /// As balanced as the components allow, nothing empty, all connected, no bowtie.
+    /// Nothing empty, all connected, no bowtie; unless balanced by weight, triangle counts as equal
+    /// as the components allow.
     bool is_valid() const {
-        return measures.max_triangle_count_difference <= best_max_triangle_count_difference &&
+        return (balance == Balance::weight ||
+                measures.max_triangle_count_difference <= best_max_triangle_count_difference) &&
             measures.min_submesh_triangles >= 1 && measures.disconnected_submesh_count == 0 &&
             measures.bowtie_count == 0;
     }
@@ -107,10 +120,13 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 /// differ as little as the sizes of the components allow (`share_submeshes`), by one at most when
 /// there is one component. If that could not be reached, the measures say so. Depends on
 /// connectivity, options and seed, never on coordinates or threads.
-/// `all_pairs`: the paper word for word: triangle counts differ by at most one; pieces and bowties
-/// may remain.
-/// Throws InvalidInput, InvalidOptions, Cancelled, DeviceError, OutOfMemory; the prepared mesh
-/// stays usable after any of them.
+/// With `Balance::weight`, the heaviest sub-mesh is as near to the mean as could be reached
+/// instead; with `initial_labels` that are valid already, there are no more boundary edges than
+/// before (where the balance is by weight: none more, or a better balance), and labels keep their
+/// numbers as far as possible, compacted in increasing order. `all_pairs`: the paper word for word:
+/// triangle counts differ by at most one; pieces and bowties may remain. Throws InvalidInput,
+/// InvalidOptions, Cancelled, DeviceError, OutOfMemory; the prepared mesh stays usable after any of
+/// them.
 Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress = {});
 

@@ -137,4 +137,27 @@ Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count) {
     return Sharing(face_counts, submesh_count).run();
 }
 
+std::vector<int> share_submeshes_by_weight(const std::vector<double>& weights,
+                                           const std::vector<int>& face_counts,
+                                           int submesh_count) {
+    std::vector<int> submesh_counts(weights.size(), 1);
+    using Heaviest = std::pair<double, int>; // weight per sub-mesh, minus the component
+    std::priority_queue<Heaviest> queue;
+    const auto enter = [&](int i) {
+        if (submesh_counts[i] < face_counts[i]) {
+            queue.emplace(weights[i] / submesh_counts[i], -i);
+        }
+    };
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        enter(static_cast<int>(i));
+    }
+    for (int given = static_cast<int>(weights.size()); given < submesh_count; ++given) {
+        const int heaviest = -queue.top().second;
+        queue.pop();
+        ++submesh_counts[heaviest];
+        enter(heaviest);
+    }
+    return submesh_counts;
+}
+
 } // namespace spheroseg

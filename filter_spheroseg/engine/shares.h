@@ -21,4 +21,11 @@ struct Shares {
 /// O(m c log F) for c components, m at most the smallest face count or F / k, mostly far fewer.
 Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count);
 
+/// The same by weight: one sub-mesh for each component, then always one more for the component
+/// with the largest weight per sub-mesh among those with more faces than sub-meshes. No other
+/// shares make that largest weight smaller. O(k log c).
+std::vector<int> share_submeshes_by_weight(const std::vector<double>& weights,
+                                           const std::vector<int>& face_counts,
+                                           int submesh_count);
+
 } // namespace spheroseg

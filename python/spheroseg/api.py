@@ -11,7 +11,7 @@ import pymeshlab
 from numpy.typing import ArrayLike
 
 from spheroseg._plugin import forget_failed_call, load_plugin
-from spheroseg.arrays import as_faces, as_labels, as_vertices
+from spheroseg.arrays import as_face_weights, as_faces, as_labels, as_vertices
 from spheroseg.errors import InputError
 
 SEGMENT_FILTER = "compute_scalar_by_balanced_segmentation_per_face"
@@ -22,6 +22,8 @@ SPHERE_ATTRIBUTE = "sphere_position"
 METHODS = ("fast", "all_pairs")
 EFFORTS = ("draft", "standard", "high")
 DEVICES = ("auto", "cpu", "cuda")
+BALANCES = ("triangle_count", "weight")
+WEIGHT_ATTRIBUTE = "spheroseg_weight"
 
 # Option of `segment`: int, float, or the words that it may be.
 _OPTIONS = {
@@ -34,6 +36,8 @@ _OPTIONS = {
     "max_cohesion_iterations": int,
     "max_refinement_iterations": int,
     "time_limit_seconds": float,
+    "balance": BALANCES,
+    "weight_attribute": str,
 }
 _INT_LIMIT = 2**31
 
@@ -63,7 +67,13 @@ class Parametrization:
 
 
 def segment(
-    vertices: ArrayLike, faces: ArrayLike, submesh_count: int | None = None, **options: Any
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    submesh_count: int | None = None,
+    *,
+    face_weights: ArrayLike | None = None,
+    initial_labels: ArrayLike | None = None,
+    **options: Any,
 ) -> Segmentation:
     """Cuts a mesh into sub-meshes whose triangle counts differ by at most one.
 
@@ -73,17 +83,31 @@ def segment(
     oriented, two-manifold component of genus 0. Vertices that no face names are allowed.
     submesh_count: k, from the number of components to F; by default 200, or fewer for meshes under
     2,000 faces.
-    options: triangles_per_submesh (k = ceil(F / value) instead), method, effort, device, seed,
+    face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
+    takes the areas. initial_labels: (F,) whole numbers, 0 or more: repaired, balanced and refined
+    instead of a new start; k is then the number of different ones.
+    options: triangles_per_submesh (k = ceil(F / value) instead), balance, weight_attribute, method,
+    effort, device, seed,
     thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds; names,
     meanings and defaults are those of the filter.
 
     The same seed gives the same labels for any thread_count. The mesh is not changed, and faces
     keep their order. Raises InputError when the mesh or an option can not be used.
     """
-    mesh_set = _mesh_set(as_vertices(vertices), faces)
+    vertices = as_vertices(vertices)
+    faces = as_faces(faces, len(vertices))
     if submesh_count is not None:
         options["submesh_count"] = submesh_count
-    measures = run_filter(mesh_set, SEGMENT_FILTER, **segment_parameters(options), colorize=False)
+    parameters = segment_parameters(options)
+    if initial_labels is None:
+        mesh_set = _mesh_set(vertices, faces)
+    else:
+        labels = as_labels(initial_labels, len(faces))
+        mesh_set = labelled_mesh_set(vertices, faces, labels)
+        parameters["initial_labels"] = "face_quality"
+    if face_weights is not None:
+        set_face_weights(mesh_set, face_weights, parameters)
+    measures = run_filter(mesh_set, SEGMENT_FILTER, **parameters, colorize=False)
     labels = mesh_set.current_mesh().face_scalar_array().astype(np.int32)
     return Segmentation(labels, measures)
 
@@ -118,6 +142,20 @@ def labelled_mesh_set(
     mesh_set = pymeshlab.MeshSet()
     mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces, f_scalar_array=labels.astype(np.float64)))
     return mesh_set
+
+
+def set_face_weights(
+    mesh_set: pymeshlab.MeshSet, face_weights: ArrayLike, parameters: dict[str, Any]
+) -> None:
+    """Gives the current mesh the weights, and the filter's parameters the name of them."""
+    if parameters.get("balance") != "weight":
+        raise InputError("face weights need balance='weight'; without it triangles are counted")
+    if "weight_attribute" in parameters:
+        raise InputError("give either weights for the faces or weight_attribute, not both")
+    mesh = mesh_set.current_mesh()
+    weights = as_face_weights(face_weights, mesh.face_number())
+    mesh.add_face_custom_scalar_attribute(weights, WEIGHT_ATTRIBUTE)
+    parameters["weight_attribute"] = WEIGHT_ATTRIBUTE
 
 
 def sphere_positions(mesh_set: pymeshlab.MeshSet) -> np.ndarray:
@@ -159,6 +197,10 @@ def _checked_option(name: str, value: Any, kind: type | tuple[str, ...]) -> Any:
     if isinstance(kind, tuple):
         if value not in kind:
             raise InputError(f"{name} must be one of {', '.join(kind)}, got {value!r}")
+        return value
+    if kind is str:
+        if not isinstance(value, str):
+            raise InputError(f"{name} must be a string, got {value!r}")
         return value
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         raise InputError(f"{name} must be a number, got {value!r}")

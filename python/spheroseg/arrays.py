@@ -45,6 +45,16 @@ def as_labels(labels: ArrayLike, face_count: int) -> np.ndarray:
     return array.astype(np.int32)
 
 
+def as_face_weights(weights: ArrayLike, face_count: int) -> np.ndarray:
+    """A (face_count,) array of float64; the filter checks the values."""
+    array = _numeric("face_weights", weights, (), "(F,)")
+    if len(array) != face_count:
+        raise InputError(
+            f"face_weights must have one entry per face: {face_count}, got {len(array)}"
+        )
+    return array.astype(np.float64)
+
+
 def _numeric(name: str, values: ArrayLike, tail: tuple[int, ...], shape: str) -> np.ndarray:
     try:
         array = np.asarray(values)

@@ -14,6 +14,7 @@ from spheroseg.errors import InputError
 from spheroseg.file_checks import check_before_reading
 
 _HEADER_BYTES = 65536
+_LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
 
 def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
@@ -130,6 +131,13 @@ def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:
         np.save(path, labels)
     else:
         path.write_text("".join(f"{label}\n" for label in labels))
+
+
+def set_labels(mesh_set: pymeshlab.MeshSet, labels: np.ndarray) -> None:
+    """Writes labels, one per face, to the face quality of the current mesh."""
+    mesh = mesh_set.current_mesh()
+    mesh.add_face_custom_scalar_attribute(labels.astype(np.float64), _LABEL_ATTRIBUTE)
+    mesh_set.compute_scalar_by_function_per_face(q=_LABEL_ATTRIBUTE)
 
 
 def _reason(message: str) -> str:

@@ -32,6 +32,7 @@ SEGMENTATION_KEYS = MEASURE_KEYS | {
     "max_submesh_triangles",
     "component_count",
     "best_max_triangle_count_difference",
+    "weight_imbalance",
     "cohesion_iterations",
     "refinement_iterations",
     "parametrization_seconds",
@@ -67,6 +68,9 @@ def test_parameters_have_their_documented_defaults(sample):
         "max_cohesion_iterations": 0,
         "max_refinement_iterations": 0,
         "time_limit_seconds": 0.0,
+        "balance": 0,
+        "weight_attribute": "",
+        "initial_labels": 0,
         "colorize": True,
     }
 

@@ -6,6 +6,7 @@ LABELS hold one whole number per triangle, in the order of the file.
 """
 
 from spheroseg import api, mesh_files
+from spheroseg.arrays import as_labels
 from spheroseg.commands import shared
 
 
@@ -25,12 +26,29 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", metavar="OUT.ply", help="labelled and coloured mesh")
     parser.add_argument("--labels", metavar="OUT.npy|.txt", help="labels, one per triangle")
     add_segment_options(parser)
+    weights = parser.add_mutually_exclusive_group()
+    weights.add_argument(
+        "--weight-attribute",
+        metavar="NAME",
+        help="per-face scalar attribute with the weights, for --balance weight (default: areas)",
+    )
+    weights.add_argument(
+        "--weights", metavar="FILE.npy|.txt", help="weights, one per triangle, instead"
+    )
+    parser.add_argument(
+        "--initial-labels",
+        metavar="FILE.npy|.txt",
+        help="repair, balance and refine these labels; k is the number of different ones",
+    )
     shared.add_report_arguments(parser)
 
 
 def add_segment_options(parser):
     """The options of the method, for every command that segments."""
     parser.add_argument("--method", choices=api.METHODS, help="segmentation method")
+    parser.add_argument(
+        "--balance", choices=api.BALANCES, help="what is equal in all sub-meshes (triangle_count)"
+    )
     parser.add_argument("--effort", choices=api.EFFORTS, help="how long `fast` refines (standard)")
     parser.add_argument("--device", choices=api.DEVICES, help="where to compute (auto)")
     parser.add_argument("--seed", type=int, metavar="N", help="same seed, same labels (0)")
@@ -56,7 +74,7 @@ def add_segment_options(parser):
 def segment_options(arguments) -> dict:
     """The options that were given, by the filter's names."""
     names = ["submesh_count", "triangles_per_submesh", "method", "effort", "device", "seed"]
-    names += ["thread_count", "time_limit_seconds"]
+    names += ["balance", "weight_attribute", "thread_count", "time_limit_seconds"]
     names += ["max_cohesion_iterations", "max_refinement_iterations"]
     given = {name: getattr(arguments, name, None) for name in names}
     return {name: value for name, value in given.items() if value is not None}
@@ -66,6 +84,13 @@ def run(arguments) -> int:
     options = api.segment_parameters(segment_options(arguments))
     shared.check_outputs(arguments)
     mesh_set = mesh_files.read_mesh(arguments.mesh)
+    if arguments.weights:
+        api.set_face_weights(mesh_set, mesh_files.read_labels(arguments.weights), options)
+    if arguments.initial_labels:
+        labels = mesh_files.read_labels(arguments.initial_labels)
+        face_count = mesh_set.current_mesh().face_number()
+        mesh_files.set_labels(mesh_set, as_labels(labels, face_count))
+        options["initial_labels"] = "face_quality"
     measures = shared.run_with_progress(
         mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
     )

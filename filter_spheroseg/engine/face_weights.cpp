@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face_weights.h"
+
+#include "errors.h"
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+
+namespace spheroseg {
+
+namespace {
+
+/// Units that the ideal loads of all sub-meshes have together. Zeros add at most one unit per face.
+constexpr double kUnits = 1 << 29;
+
+} // namespace
+
+void check_face_weights(const std::vector<double>& weights, int face_count) {
+    if (weights.size() != static_cast<std::size_t>(face_count)) {
+        throw InvalidOptions("One weight per face is expected (" + std::to_string(face_count) +
+                             "), but there are " + std::to_string(weights.size()) + ".");
+    }
+    int bad_count = 0;
+    int first_bad = -1;
+    bool any_positive = false;
+    for (int f = 0; f < face_count; ++f) {
+        // Written so that NaN fails as well.
+        if (!(weights[f] >= 0.0 && std::isfinite(weights[f]))) {
+            first_bad = bad_count++ == 0 ? f : first_bad;
+        }
+        any_positive = any_positive || weights[f] > 0.0;
+    }
+    if (bad_count > 0) {
+        std::ostringstream text;
+        text << "Face weights must be finite and 0 or more, but " << bad_count << " of "
+             << face_count << (bad_count == 1 ? " is" : " are") << " not; the first is face "
+             << first_bad << " with " << weights[first_bad]
+             << ". Correct the weights, or balance by triangle_count.";
+        throw InvalidOptions(text.str());
+    }
+    if (!any_positive) {
+        throw InvalidOptions("At least one face weight above 0 is expected, but all " +
+                             std::to_string(face_count) +
+                             " are 0. Correct the weights, or balance by triangle_count.");
+    }
+}
+
+std::vector<double> face_areas(const TriangleMesh& mesh) {
+    double largest = 0.0;
+    for (const Vec3& p : mesh.positions) {
+        largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+    // Half of each: the difference of two of them must not overflow either.
+    const double scale = largest > 0.0 ? 0.5 / largest : 0.0;
+    std::vector<double> areas(mesh.faces.size());
+    for (std::size_t f = 0; f < areas.size(); ++f) {
+        const Triangle& face = mesh.faces[f];
+        const Vec3 p = mesh.positions[face[0]] * scale;
+        const Vec3 q = mesh.positions[face[1]] * scale;
+        const Vec3 r = mesh.positions[face[2]] * scale;
+        areas[f] = 0.5 * length(cross(q - p, r - p));
+    }
+    return areas;
+}
+
+std::vector<double> weights_of(const SegmentOptions& options, const TriangleMesh& mesh) {
+    return options.face_weights.empty() ? face_areas(mesh) : options.face_weights;
+}
+
+double ideal_load(const std::vector<double>& weights, int submesh_count) {
+    std::vector<double> sorted = weights;
+    std::sort(sorted.begin(), sorted.end(), std::greater<>());
+    const double largest = sorted.front();
+    if (largest <= 0.0) {
+        return 0.0;
+    }
+    // Sums from the lightest on: subtracting a heavy weight would leave only its rounding error.
+    // Scaled, so that huge weights do not overflow.
+    std::vector<double> rest(sorted.size() + 1, 0.0);
+    for (std::size_t i = sorted.size(); i > 0; --i) {
+        rest[i - 1] = rest[i] + sorted[i - 1] / largest;
+    }
+    for (int alone = 0; alone < submesh_count; ++alone) {
+        const double load = rest[alone] / (submesh_count - alone);
+        if (sorted[alone] / largest <= load) {
+            return load * largest;
+        }
+    }
+    return 0.0;
+}
+
+std::vector<int> quantized_weights(const std::vector<double>& weights, int submesh_count) {
+    const double ideal = ideal_load(weights, submesh_count);
+    const double units_per_submesh = kUnits / submesh_count;
+    std::vector<int> quantized(weights.size(), 1);
+    for (std::size_t f = 0; f < weights.size() && ideal > 0.0; ++f) {
+        const double share = std::min(weights[f] / ideal, 1.0);
+        quantized[f] = std::max(1, static_cast<int>(std::lround(share * units_per_submesh)));
+    }
+    return quantized;
+}
+
+double weight_imbalance(const std::vector<double>& weights,
+                        const std::vector<int>& labels,
+                        int submesh_count) {
+    const double largest = *std::max_element(weights.begin(), weights.end());
+    std::vector<double> loads(submesh_count, 0.0);
+    double total = 0.0;
+    for (std::size_t f = 0; f < labels.size(); ++f) {
+        loads[labels[f]] += weights[f] / largest;
+        total += weights[f] / largest;
+    }
+    return *std::max_element(loads.begin(), loads.end()) * submesh_count / total;
+}
+
+} // namespace spheroseg

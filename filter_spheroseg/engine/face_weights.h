@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "segment.h"
+
+namespace spheroseg {
+
+/// Throws InvalidOptions unless there is one weight per face, all are finite and not negative, and
+/// at least one is above 0; the message has the count of what is wrong and the first face.
+void check_face_weights(const std::vector<double>& weights, int face_count);
+
+/// Areas of the triangles; in units of the largest coordinate squared, so that none overflows.
+std::vector<double> face_areas(const TriangleMesh& mesh);
+
+/// The weights that `options` ask for: face_weights, or areas when there are none.
+std::vector<double> weights_of(const SegmentOptions& options, const TriangleMesh& mesh);
+
+/// The load that the sub-meshes of a surface would have if it could be cut anywhere but through
+/// faces: T with k T = sum of min(weight, T). A face that weighs T or more fills a sub-mesh alone,
+/// and the others share the rest. 0 when fewer than k faces weigh anything. O(F log F).
+double ideal_load(const std::vector<double>& weights, int submesh_count);
+
+/// Weights as whole numbers >= 1 whose sum is below 2^30: min(weight, T) with T = ideal_load, in
+/// units of kT / 2^29, rounded; a zero counts as one unit. The load of n faces is off by at most n
+/// units, which is n k / 2^29 of the ideal load. Weights above T are cut to T because more would
+/// only pull the others' mean away from what they can reach.
+std::vector<int> quantized_weights(const std::vector<double>& weights, int submesh_count);
+
+/// Heaviest sub-mesh over mean load; 1 when all weigh the same.
+double weight_imbalance(const std::vector<double>& weights,
+                        const std::vector<int>& labels,
+                        int submesh_count);
+
+} // namespace spheroseg

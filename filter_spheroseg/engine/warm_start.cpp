@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "warm_start.h"
+
+#include "bisection.h"
+#include "repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace spheroseg {
+
+namespace {
+
+/// Repairs and new shares take turns so many times at most.
+constexpr int kMaxRounds = 4;
+/// Loads within these factors of the mean are left to the refinement.
+constexpr double kLightest = 0.5;
+constexpr double kHeaviest = 2.0;
+
+/// Sides at the vertex at `corner` of a face across which another label or an open border lies.
+int fan_ends(const Patchwork& patchwork, int face, int corner) {
+    const Cell& cell = patchwork.cells[face];
+    return (patchwork.label_across(cell, corner) != cell.label) +
+        (patchwork.label_across(cell, kPrevious[corner]) != cell.label);
+}
+
+/// More than one fan of the face's sub-mesh lies around the vertex at `corner`.
+bool has_bowtie_at(const Patchwork& patchwork, int face, int corner) {
+    const int vertex = patchwork.cells[face].vertex[corner];
+    const int label = patchwork.cells[face].label;
+    int ends = fan_ends(patchwork, face, corner);
+    walk_around(patchwork, face, corner, false, [&](int f) {
+        const Cell& cell = patchwork.cells[f];
+        if (cell.label == label) {
+            ends += fan_ends(patchwork, f, corner_of(cell, vertex));
+        }
+        return ends <= 2;
+    });
+    return ends > 2;
+}
+
+void sum_loads(Patchwork& patchwork) {
+    std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
+    for (const Cell& cell : patchwork.cells) {
+        patchwork.load[cell.label] += cell.weight;
+    }
+}
+
+double mean_load(const Patchwork& patchwork) {
+    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
+    return total / patchwork.submesh_count();
+}
+
+bool is_even(const Patchwork& patchwork) {
+    const double mean = mean_load(patchwork);
+    return std::all_of(patchwork.load.begin(), patchwork.load.end(), [&](int load) {
+        return load >= kLightest * mean && load <= kHeaviest * mean;
+    });
+}
+
+/// Number of sub-meshes that the faces of each sub-mesh shall make up, k in all: near its load over
+/// the mean, at most its number of faces; 0: it is dissolved.
+std::vector<int> new_shares(const Patchwork& patchwork) {
+    const int submesh_count = patchwork.submesh_count();
+    const double mean = mean_load(patchwork);
+    std::vector<int> face_counts(submesh_count, 0);
+    for (const Cell& cell : patchwork.cells) {
+        ++face_counts[cell.label];
+    }
+    std::vector<int> shares(submesh_count);
+    for (int l = 0; l < submesh_count; ++l) {
+        const double load = patchwork.load[l] / mean;
+        // One that could be left as it is is left.
+        shares[l] = load >= kLightest && load <= kHeaviest
+            ? 1
+            : std::min(static_cast<int>(std::lround(load)), face_counts[l]);
+    }
+    int sum = std::accumulate(shares.begin(), shares.end(), 0);
+    const auto density = [&](int l, int share) {
+        return share > 0 ? patchwork.load[l] / static_cast<double>(share) : 1e300;
+    };
+    while (sum != submesh_count) {
+        const int step = sum < submesh_count ? 1 : -1;
+        int best = -1;
+        for (int l = 0; l < submesh_count; ++l) {
+            if (step > 0 ? shares[l] < face_counts[l] &&
+                        (best < 0 || density(l, shares[l]) > density(best, shares[best]))
+                         : shares[l] > 0 &&
+                        (best < 0 || density(l, shares[l]) < density(best, shares[best]))) {
+                best = l;
+            }
+        }
+        shares[best] += step;
+        sum += step;
+    }
+    return shares;
+}
+
+/// Gives every face with label -1 the label of the nearest face that has one; 0 where none has.
+void spread_labels(Patchwork& patchwork) {
+    std::vector<int> queue;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        if (patchwork.cells[f].label >= 0) {
+            queue.push_back(f);
+        }
+    }
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+        for (int neighbor : patchwork.cells[queue[head]].neighbor) {
+            if (neighbor >= 0 && patchwork.cells[neighbor].label < 0) {
+                patchwork.cells[neighbor].label = patchwork.cells[queue[head]].label;
+                queue.push_back(neighbor);
+            }
+        }
+    }
+    for (Cell& cell : patchwork.cells) {
+        cell.label = std::max(cell.label, 0);
+    }
+    sum_loads(patchwork);
+}
+
+/// Parts the faces of one sub-mesh into `labels.size()` sub-meshes with these labels.
+void part_submesh(Patchwork& patchwork,
+                  const std::vector<int>& faces,
+                  const std::vector<int>& labels,
+                  std::vector<int>& place,
+                  std::uint64_t seed) {
+    Patchwork part;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        place[faces[i]] = static_cast<int>(i);
+    }
+    for (int f : faces) {
+        Cell cell = patchwork.cells[f];
+        for (int& neighbor : cell.neighbor) {
+            neighbor = neighbor < 0 ? neighbor : place[neighbor];
+        }
+        part.cells.push_back(cell);
+    }
+    bisect(part, static_cast<int>(labels.size()), seed, 1);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        patchwork.cells[faces[i]].label = labels[part.cells[i].label];
+        place[faces[i]] = -1;
+    }
+}
+
+/// Dissolves sub-meshes that are too light and parts those that are too heavy.
+void share_anew(Patchwork& patchwork, std::uint64_t seed) {
+    const int submesh_count = patchwork.submesh_count();
+    const std::vector<int> shares = new_shares(patchwork);
+    std::vector<std::vector<int>> to_part(submesh_count);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        Cell& cell = patchwork.cells[f];
+        if (shares[cell.label] > 1) {
+            to_part[cell.label].push_back(f);
+        }
+    }
+    std::vector<int> place(patchwork.face_count(), -1);
+    int next_free = 0;
+    for (Cell& cell : patchwork.cells) {
+        cell.label = shares[cell.label] > 0 ? cell.label : -1;
+    }
+    for (int l = 0; l < submesh_count; ++l) {
+        if (shares[l] < 2) {
+            continue;
+        }
+        std::vector<int> labels(1, l);
+        while (static_cast<int>(labels.size()) < shares[l]) {
+            while (shares[next_free] > 0) {
+                ++next_free;
+            }
+            labels.push_back(next_free++);
+        }
+        part_submesh(patchwork, to_part[l], labels, place, seed);
+    }
+    spread_labels(patchwork);
+}
+
+} // namespace
+
+std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
+    std::vector<int> pieces(patchwork.submesh_count(), 0);
+    std::vector<std::uint8_t> seen(patchwork.cells.size(), 0);
+    std::vector<int> queue;
+    for (int start = 0; start < patchwork.face_count(); ++start) {
+        if (seen[start]) {
+            continue;
+        }
+        const int label = patchwork.cells[start].label;
+        ++pieces[label];
+        seen[start] = 1;
+        queue.assign(1, start);
+        while (!queue.empty()) {
+            const int face = queue.back();
+            queue.pop_back();
+            for (int neighbor : patchwork.cells[face].neighbor) {
+                if (neighbor >= 0 && !seen[neighbor] && patchwork.cells[neighbor].label == label) {
+                    seen[neighbor] = 1;
+                    queue.push_back(neighbor);
+                }
+            }
+        }
+    }
+    std::vector<std::uint8_t> sound(patchwork.submesh_count());
+    for (std::size_t l = 0; l < sound.size(); ++l) {
+        sound[l] = pieces[l] == 1;
+    }
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        const int label = patchwork.cells[f].label;
+        for (int c = 0; c < 3 && sound[label]; ++c) {
+            if (fan_ends(patchwork, f, c) > 0 && has_bowtie_at(patchwork, f, c)) {
+                sound[label] = 0;
+            }
+        }
+    }
+    return sound;
+}
+
+int adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
+    spread_labels(patchwork);
+    if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
+        share_anew(patchwork, seed + kMaxRounds);
+    }
+    int forced = repair(patchwork, sound_submeshes(patchwork));
+    for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
+        share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
+        forced = repair(patchwork, sound_submeshes(patchwork));
+    }
+    return forced;
+}
+
+void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count) {
+    std::vector<std::pair<int, int>> pairs;
+    for (std::size_t f = 0; f < labels.size(); ++f) {
+        if (names[f] >= 0) {
+            pairs.emplace_back(labels[f], names[f]);
+        }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<std::tuple<int, int, int>> overlaps; // minus common faces, label, name
+    for (auto run = pairs.begin(); run != pairs.end();) {
+        const auto end = std::upper_bound(run, pairs.end(), *run);
+        overlaps.emplace_back(static_cast<int>(run - end), run->first, run->second);
+        run = end;
+    }
+    std::sort(overlaps.begin(), overlaps.end());
+    std::vector<int> name_of(submesh_count, -1);
+    std::vector<std::uint8_t> used(submesh_count, 0);
+    for (const auto& [count, label, name] : overlaps) {
+        if (name_of[label] < 0 && !used[name]) {
+            name_of[label] = name;
+            used[name] = 1;
+        }
+    }
+    int next_free = 0;
+    for (int& name : name_of) {
+        while (name < 0) {
+            if (!used[next_free]) {
+                name = next_free;
+            }
+            ++next_free;
+        }
+    }
+    for (int& label : labels) {
+        label = name_of[label];
+    }
+}
+
+std::vector<int> compacted(const std::vector<int>& labels) {
+    std::vector<int> distinct = labels;
+    std::sort(distinct.begin(), distinct.end());
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    std::vector<int> result(labels.size());
+    for (std::size_t f = 0; f < labels.size(); ++f) {
+        result[f] = static_cast<int>(std::lower_bound(distinct.begin(), distinct.end(), labels[f]) -
+                                     distinct.begin());
+    }
+    return result;
+}
+
+int distinct_label_count(const std::vector<int>& labels) {
+    const std::vector<int> numbers = compacted(labels);
+    return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
+}
+
+} // namespace spheroseg

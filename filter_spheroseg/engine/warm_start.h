@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+
+#include <cstdint>
+
+namespace spheroseg {
+
+/// For each sub-mesh whether it has a face, is edge-connected and free of bowties.
+std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork);
+
+/// Makes labels that somebody else chose (each in [0, submesh_count) or -1: that of the nearest
+/// face that has one; on the finest level) a start for the refinement: every sub-mesh
+/// edge-connected and free of bowties, with a load between half and twice the mean as far as that
+/// is possible. Sound sub-meshes of such loads keep their faces. Of the others the deepest piece
+/// stays; those that are too light are dissolved, and those that are too heavy are parted by
+/// bisection, where the first part keeps the label and the others get the labels that became free.
+/// Loads are brought up to date. Returns the number of faces that no sub-mesh could take without a
+/// bowtie, as `repair` does. Deterministic; `seed` shifts bisections.
+int adopt_labels(Patchwork& patchwork, std::uint64_t seed);
+
+/// Gives `labels` new names (numbers in [0, submesh_count)) so that many faces have the name that
+/// they have in `names` (-1: none): pairs of old and new name with the most common faces first.
+void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count);
+
+/// Number of different labels.
+int distinct_label_count(const std::vector<int>& labels);
+
+/// The labels numbered 0, 1, ... in increasing order, without gaps.
+std::vector<int> compacted(const std::vector<int>& labels);
+
+} // namespace spheroseg

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "weight_balance.h"
+
+#include "boundary.h"
+#include "random.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace spheroseg {
+
+namespace {
+
+/// A face that may pass across its edge at `corner`.
+struct Passage {
+    int face;
+    int corner;
+    Move move;
+};
+
+class LoadLowering {
+public:
+    LoadLowering(Patchwork& patchwork, int limit)
+        : patchwork_(patchwork), limit_(limit), faces_of_(patchwork.submesh_count()),
+          inflow_(patchwork.submesh_count(), -1), came_by_(patchwork.submesh_count()) {
+        const BoundaryFaces boundary(patchwork, 1);
+        for (int f : boundary.faces()) {
+            faces_of_[patchwork.cells[f].label].push_back(f);
+        }
+        work_left_ = kMinWork + kWorkPerFace * static_cast<std::int64_t>(boundary.faces().size());
+    }
+
+    bool run() {
+        std::vector<int> heavy;
+        for (int idle_rounds = 0; idle_rounds < kMaxIdleRounds && work_left_ > 0; ++idle_rounds) {
+            const std::int64_t before = excess(heavy);
+            if (heavy.empty()) {
+                return true;
+            }
+            for (int label : heavy) {
+                int tries = static_cast<int>(faces_of_[label].size()) + kExtraTries;
+                while (patchwork_.load[label] > limit_ && tries-- > 0 && work_left_ > 0 &&
+                       relieve(label)) {
+                }
+            }
+            if (excess(heavy) < before) {
+                idle_rounds = -1;
+            }
+        }
+        excess(heavy);
+        return heavy.empty();
+    }
+
+private:
+    static constexpr int kMaxIdleRounds = 8;
+    static constexpr int kExtraTries = 64;
+    /// Faces looked at before giving up, and more of them per boundary face.
+    static constexpr std::int64_t kMinWork = 200000;
+    static constexpr std::int64_t kWorkPerFace = 50;
+
+    /// Sum of what lies above the limit; lists the labels where something does.
+    std::int64_t excess(std::vector<int>& heavy) const {
+        heavy.clear();
+        std::int64_t sum = 0;
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            if (patchwork_.load[l] > limit_) {
+                sum += patchwork_.load[l] - limit_;
+                heavy.push_back(l);
+            }
+        }
+        return sum;
+    }
+
+    /// The allowed moves of single faces out of a sub-mesh, in random order.
+    void find_passages(int label) {
+        passages_.clear();
+        std::vector<int>& faces = faces_of_[label];
+        work_left_ -= static_cast<std::int64_t>(faces.size());
+        for (std::size_t i = 0; i < faces.size();) {
+            const int face = faces[i];
+            bool touches = false;
+            for (int c = 0; c < 3 && patchwork_.label(face) == label; ++c) {
+                const int across = patchwork_.label_across(patchwork_.cells[face], c);
+                if (across < 0 || across == label) {
+                    continue;
+                }
+                touches = true;
+                Passage passage{face, c, {}};
+                if (describe_single(patchwork_, face, c, passage.move) &&
+                    single_is_allowed(patchwork_, face, c, passage.move)) {
+                    passages_.push_back(passage);
+                }
+            }
+            if (touches) {
+                ++i;
+            } else {
+                faces[i] = faces.back();
+                faces.pop_back();
+            }
+        }
+        if (passages_.size() > 1) {
+            std::rotate(passages_.begin(),
+                        passages_.begin() +
+                            random_.below(static_cast<std::uint32_t>(passages_.size())),
+                        passages_.end());
+        }
+    }
+
+    /// Searches, breadth first, for a chain of moves from a sub-mesh above the limit to one with
+    /// room. `inflow_[l]` is what the chain brings to l, so that l must pass on at least what does
+    /// not fit.
+    bool relieve(int start) {
+        queue_.assign(1, start);
+        inflow_[start] = 0;
+        Passage last{-1, 0, {}};
+        for (std::size_t head = 0; head < queue_.size() && last.face < 0; ++head) {
+            const int label = queue_[head];
+            const int must_pass =
+                label == start ? 1 : patchwork_.load[label] + inflow_[label] - limit_;
+            find_passages(label);
+            last = best_end(must_pass);
+            if (last.face < 0) {
+                extend(must_pass);
+            }
+        }
+        const bool moved = last.face >= 0 && carry_out(start, last);
+        for (int l : queue_) {
+            inflow_[l] = -1;
+        }
+        return moved;
+    }
+
+    /// The move after which the chain may end that costs the fewest boundary edges.
+    Passage best_end(int must_pass) const {
+        Passage best{-1, 0, {}};
+        for (const Passage& passage : passages_) {
+            const Move& move = passage.move;
+            if (inflow_[move.to] < 0 && move.weight >= must_pass &&
+                patchwork_.load[move.to] + move.weight <= limit_ &&
+                (best.face < 0 || move.boundary_change < best.move.boundary_change)) {
+                best = passage;
+            }
+        }
+        return best;
+    }
+
+    /// Lets the chain go on to every neighbour, by the lightest move that is heavy enough.
+    void extend(int must_pass) {
+        for (const Passage& passage : passages_) {
+            const Move& move = passage.move;
+            if (move.weight < must_pass) {
+                continue;
+            }
+            int& inflow = inflow_[move.to];
+            if (inflow < 0) {
+                queue_.push_back(move.to);
+            } else if (came_by_[move.to].move.from != move.from || inflow <= move.weight) {
+                continue;
+            }
+            if (move.to != queue_.front()) {
+                inflow = move.weight;
+                came_by_[move.to] = passage;
+            }
+        }
+    }
+
+    /// Makes the moves of the chain, the last one first, so that no load comes above the limit
+    /// when one of them is not allowed any more.
+    bool carry_out(int start, const Passage& last) {
+        bool relieved = false;
+        for (Passage passage = last;;) {
+            Move move;
+            if (!describe_single(patchwork_, passage.face, passage.corner, move) ||
+                move.from != passage.move.from || move.to != passage.move.to ||
+                !single_is_allowed(patchwork_, passage.face, passage.corner, move)) {
+                return relieved;
+            }
+            commit(move);
+            relieved = true;
+            if (move.from == start) {
+                return true;
+            }
+            passage = came_by_[move.from];
+        }
+    }
+
+    void commit(const Move& move) {
+        apply(patchwork_, move);
+        const int face = move.faces[0];
+        list(face, move.to);
+        for (int neighbor : patchwork_.cells[face].neighbor) {
+            if (neighbor >= 0 && patchwork_.label(neighbor) == move.from) {
+                list(neighbor, move.from);
+            }
+        }
+    }
+
+    void list(int face, int label) {
+        std::vector<int>& faces = faces_of_[label];
+        if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
+            faces.push_back(face);
+        }
+    }
+
+    Patchwork& patchwork_;
+    const int limit_;
+    std::int64_t work_left_ = 0;
+    std::vector<std::vector<int>> faces_of_;
+    /// -1: not reached.
+    std::vector<int> inflow_;
+    std::vector<Passage> came_by_;
+    std::vector<Passage> passages_;
+    std::vector<int> queue_;
+    Random random_{0x77656967687473ULL};
+};
+
+/// Steps above the mean, and tries to get below the last one that was missed.
+constexpr double kSteps[] = {0.03, 0.01, 0.003, 0.001};
+constexpr int kStepCount = 4;
+constexpr int kShakes = 1;
+constexpr int kHalvings = 2;
+
+double mean_load(const Patchwork& patchwork) {
+    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
+    return total / patchwork.submesh_count();
+}
+
+/// The descent of balance_by_weight.
+class WeightBalance {
+public:
+    WeightBalance(Patchwork& patchwork,
+                  const AnnealSchedule& exchanges,
+                  const AnnealControl& control)
+        : patchwork_(patchwork), exchanges_(exchanges), control_(control),
+          mean_(mean_load(patchwork)), best_(patchwork) {
+        exchanges_.proposals_per_face /= kStepCount;
+        exchanges_.phase_count = std::max(1, exchanges_.phase_count / kStepCount);
+    }
+
+    void run() {
+        double missed = -1.0;
+        double reached = heaviest_load(patchwork_) / mean_ - 1.0;
+        for (int i = 0; i < kStepCount && missed < 0.0; ++i) {
+            (reach(kSteps[i], i) ? reached : missed) = kSteps[i];
+        }
+        for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed; ++i) {
+            const double middle = 0.5 * (reached + missed);
+            (reach(middle, kStepCount) ? reached : missed) = middle;
+        }
+        patchwork_ = best_;
+    }
+
+private:
+    /// True when all loads came to at most so much above the mean.
+    bool reach(double above_mean, int step) {
+        const int limit = static_cast<int>(mean_ * (1.0 + above_mean));
+        patchwork_ = best_;
+        bool below = lower_loads(patchwork_, limit);
+        keep_best();
+        for (int i = 0; i < kShakes && !below && !expired(); ++i) {
+            shake(i);
+            below = lower_loads(patchwork_, limit);
+            keep_best();
+        }
+        if (below && !expired()) {
+            AnnealControl control = control_;
+            control.progress = sub_progress(
+                control_.progress, step / (kStepCount + 1.0), (step + 1) / (kStepCount + 1.0));
+            ++exchanges_.seed;
+            anneal_below(patchwork_, limit, exchanges_, control);
+            best_ = patchwork_;
+        }
+        return below;
+    }
+
+    /// Anneals with a pull towards the mean that is hundreds of boundary edges strong where a load
+    /// is off by as much as the mean.
+    void shake(int times) {
+        AnnealSchedule schedule = exchanges_;
+        schedule.seed = exchanges_.seed + 1000 + static_cast<std::uint64_t>(times);
+        schedule.temperature_begin = 0.5;
+        schedule.temperature_end = 0.2;
+        const double faces_per_submesh =
+            static_cast<double>(patchwork_.face_count()) / patchwork_.submesh_count();
+        schedule.balance_weight_begin = 5.0 / faces_per_submesh;
+        schedule.balance_weight_end = 100.0 / faces_per_submesh;
+        schedule.proposals_per_face = 100.0;
+        schedule.phase_count = 12;
+        anneal(patchwork_, schedule, {});
+    }
+
+    void keep_best() {
+        if (heaviest_load(patchwork_) < heaviest_load(best_)) {
+            best_ = patchwork_;
+        }
+    }
+
+    bool expired() const { return control_.deadline && control_.deadline->expired(); }
+
+    Patchwork& patchwork_;
+    AnnealSchedule exchanges_;
+    const AnnealControl& control_;
+    const double mean_;
+    Patchwork best_;
+};
+
+} // namespace
+
+bool lower_loads(Patchwork& patchwork, int limit) {
+    return LoadLowering(patchwork, limit).run();
+}
+
+int heaviest_load(const Patchwork& patchwork) {
+    return *std::max_element(patchwork.load.begin(), patchwork.load.end());
+}
+
+int near_enough(const Patchwork& patchwork) {
+    return static_cast<int>(mean_load(patchwork) * (1.0 + kSteps[kStepCount - 1]));
+}
+
+void balance_by_weight(Patchwork& patchwork,
+                       const AnnealSchedule& exchanges,
+                       const AnnealControl& control) {
+    if (patchwork.submesh_count() > 1) {
+        WeightBalance(patchwork, exchanges, control).run();
+    }
+}
+
+} // namespace spheroseg

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "warm_start.h"
+
+#include "segment.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+SegmentOptions warm_options(std::vector<int> labels, Effort effort = Effort::draft) {
+    SegmentOptions options;
+    options.effort = effort;
+    options.initial_labels = std::move(labels);
+    return options;
+}
+
+double kept_share(const std::vector<int>& before, const std::vector<int>& after) {
+    int kept = 0;
+    for (std::size_t f = 0; f < before.size(); ++f) {
+        kept += before[f] == after[f];
+    }
+    return kept / static_cast<double>(before.size());
+}
+
+/// Labels of the nearest of `k` random faces, by steps between neighbours: uneven, in one piece.
+std::vector<int> blobs(const DualGraph& graph, int k, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<int> labels(graph.neighbors.size(), -1);
+    std::vector<int> queue;
+    while (static_cast<int>(queue.size()) < k) {
+        const auto face = static_cast<int>(random.below(graph.face_count()));
+        if (labels[face] < 0) {
+            labels[face] = static_cast<int>(queue.size());
+            queue.push_back(face);
+        }
+    }
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+        for (int neighbor : graph.neighbors[queue[head]]) {
+            if (neighbor >= 0 && labels[neighbor] < 0) {
+                labels[neighbor] = labels[queue[head]];
+                queue.push_back(neighbor);
+            }
+        }
+    }
+    return labels;
+}
+
+std::vector<std::vector<int>> hostile_labels(const DualGraph& graph, int k) {
+    const int face_count = graph.face_count();
+    std::vector<int> random_labels(face_count);
+    std::vector<int> lone(face_count, k - 1);
+    std::vector<int> stripes(face_count);
+    std::vector<int> interleaved(face_count);
+    Random random(9);
+    for (int f = 0; f < face_count; ++f) {
+        random_labels[f] = f < k ? f : static_cast<int>(random.below(k));
+        stripes[f] = static_cast<int>(static_cast<std::int64_t>(f) * k / face_count);
+        interleaved[f] = f % k;
+    }
+    for (int l = 0; l + 1 < k; ++l) {
+        lone[l] = l;
+    }
+    return {random_labels, lone, stripes, interleaved, blobs(graph, k, 4)};
+}
+
+TEST(WarmStart, SoundSubmeshesByHand) {
+    // Around an octahedron's vertex 4 lie faces; opposite ones touch in that vertex only.
+    const Levels levels(octahedron());
+    const int face_count = levels.mesh.face_count();
+    Patchwork patchwork = levels.multilevel.coarsen(face_count, 2);
+    const auto sound = [&](const std::vector<int>& labels) {
+        levels.multilevel.set_labels(patchwork, labels);
+        return sound_submeshes(patchwork);
+    };
+    EXPECT_EQ(sound(std::vector<int>(face_count, 0)), (std::vector<std::uint8_t>{1, 0}));
+    for (int f = 0; f < face_count; ++f) {
+        for (int g = 0; g < f; ++g) {
+            std::vector<int> labels(face_count, 0);
+            labels[f] = labels[g] = 1;
+            const Measures measures = measure(levels.mesh, levels.graph, labels, 2);
+            const std::vector<std::uint8_t> result = sound(labels);
+            EXPECT_EQ(result[0] && result[1],
+                      measures.bowtie_count == 0 && measures.disconnected_submesh_count == 0);
+        }
+    }
+}
+
+TEST(WarmStart, SoundAgreesWithTheMeasuresOnRandomLabels) {
+    for (const TriangleMesh& mesh : {icosphere(2), open_grid(8), bipyramid(20), torus(8, 6)}) {
+        const Levels levels(mesh);
+        const int face_count = mesh.face_count();
+        Patchwork patchwork = levels.multilevel.coarsen(face_count, 2);
+        Random random(3);
+        for (int round = 0; round < 300; ++round) {
+            // A blob grown at random, against the rest.
+            std::vector<int> labels(face_count, 0);
+            labels[random.below(face_count)] = 1;
+            const int grows = static_cast<int>(random.below(4 * face_count));
+            for (int i = 0; i < grows; ++i) {
+                const auto f = static_cast<int>(random.below(face_count));
+                const int g = levels.graph.neighbors[f][random.below(3)];
+                labels[f] = g >= 0 && labels[g] == 1 ? 1 : labels[f];
+            }
+            const Measures measures = measure(levels.mesh, levels.graph, labels, 2);
+            levels.multilevel.set_labels(patchwork, labels);
+            const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
+            EXPECT_EQ(sound[0] && sound[1], is_sound(measures));
+        }
+    }
+}
+
+TEST(WarmStart, CompactingKeepsTheOrder) {
+    EXPECT_EQ(compacted({7, 3, 7, 100, 3}), (std::vector<int>{1, 0, 1, 2, 0}));
+    EXPECT_EQ(distinct_label_count({7, 3, 7, 100, 3}), 3);
+    EXPECT_EQ(distinct_label_count({}), 0);
+}
+
+TEST(WarmStart, RenamingKeepsTheLargestOverlaps) {
+    std::vector<int> labels = {2, 2, 2, 0, 0, 1, 1};
+    rename_like(labels, {0, 0, 1, 1, 1, 0, 2}, 3);
+    // Label 2 has two faces of name 0, label 0 two of name 1; 1 gets what is left.
+    EXPECT_EQ(labels, (std::vector<int>{0, 0, 0, 1, 1, 2, 2}));
+}
+
+TEST(WarmStart, HostileLabelsOnEveryMeshBecomeValid) {
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        PreparedMesh prepared(mesh, 2);
+        const int face_count = mesh.face_count();
+        // Exact balance of few faces each takes long on tubes 3 to 6 vertices around.
+        const bool narrow = name == "needle" || name == "long thin limb";
+        for (int k : {2, 7, face_count / 64, face_count / (narrow ? 64 : 5)}) {
+            if (k < 2 || k > face_count) {
+                continue;
+            }
+            int kind = 0;
+            for (const std::vector<int>& labels : hostile_labels(prepared.dual_graph(), k)) {
+                const Segmentation result = segment(prepared, warm_options(labels));
+                EXPECT_TRUE(result.is_valid()) << name << ", k " << k << ", kind " << kind;
+                EXPECT_EQ(result.measures.submesh_count, k);
+                ++kind;
+            }
+        }
+    }
+}
+
+TEST(WarmStart, OpenMeshesHandlesAndComponentsToo) {
+    TriangleMesh three = displaced_sphere(2);
+    for (const TriangleMesh& other : {open_grid(10), torus(10, 6)}) {
+        const int offset = three.vertex_count();
+        for (const Vec3& p : other.positions) {
+            three.positions.push_back(p + Vec3{20.0 * offset, 0, 0});
+        }
+        for (const Triangle& t : other.faces) {
+            three.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+        }
+    }
+    for (const TriangleMesh& mesh : {open_grid(20), torus(20, 12), three}) {
+        PreparedMesh prepared(mesh, 1);
+        for (int k : {3, 20, 60}) {
+            for (const std::vector<int>& labels : hostile_labels(prepared.dual_graph(), k)) {
+                const std::vector<int> filled = [&] {
+                    // Blobs reach only the components that have a seed.
+                    std::vector<int> copy = labels;
+                    std::replace(copy.begin(), copy.end(), -1, 0);
+                    return copy;
+                }();
+                const Segmentation result = segment(prepared, warm_options(filled));
+                EXPECT_TRUE(result.is_valid()) << mesh.face_count() << " faces, k " << k;
+                EXPECT_EQ(result.measures.submesh_count, distinct_label_count(filled));
+            }
+        }
+    }
+}
+
+TEST(WarmStart, ValidLabelsDoNotGetWorseAndKeepTheirNumbers) {
+    for (const TriangleMesh& mesh :
+         {displaced_sphere(4), limbed_figure(3), open_grid(30), torus(30, 20)}) {
+        PreparedMesh prepared(mesh, 2);
+        for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+            SegmentOptions options;
+            options.submesh_count = 30;
+            options.effort = effort;
+            const Segmentation cold = segment(prepared, options);
+            ASSERT_TRUE(cold.is_valid());
+            for (Effort again : {Effort::draft, Effort::standard}) {
+                const Segmentation warm = segment(prepared, warm_options(cold.labels, again));
+                EXPECT_TRUE(warm.is_valid());
+                EXPECT_LE(warm.measures.boundary_edge_count, cold.measures.boundary_edge_count);
+                EXPECT_GE(kept_share(cold.labels, warm.labels), 0.5);
+                if (warm.measures.boundary_edge_count == cold.measures.boundary_edge_count) {
+                    EXPECT_EQ(warm.labels, cold.labels);
+                }
+            }
+        }
+    }
+}
+
+TEST(WarmStart, LabelsWithGapsAreCompactedInOrder) {
+    PreparedMesh prepared(displaced_sphere(3), 1);
+    SegmentOptions options;
+    options.submesh_count = 12;
+    options.effort = Effort::high;
+    std::vector<int> labels = segment(prepared, options).labels;
+    SegmentOptions with_gaps = warm_options(labels);
+    for (int& label : with_gaps.initial_labels) {
+        label = 1000 * label + 5;
+    }
+    // Neither is used.
+    with_gaps.submesh_count = 77;
+    with_gaps.triangles_per_submesh = 3;
+    const Segmentation result = segment(prepared, with_gaps);
+    EXPECT_EQ(result.measures.submesh_count, 12);
+    EXPECT_EQ(result.labels, segment(prepared, warm_options(labels)).labels);
+}
+
+TEST(WarmStart, BadLabelsAreRefused) {
+    PreparedMesh prepared(octahedron(), 1);
+    EXPECT_THROW(segment(prepared, warm_options({0, 1})), InvalidOptions);
+    EXPECT_THROW(segment(prepared, warm_options({0, 1, 0, 1, -1, 0, 1, 0})), InvalidOptions);
+    SegmentOptions options = warm_options({0, 1, 0, 1, 0, 0, 1, 0});
+    options.method = Method::all_pairs;
+    EXPECT_THROW(segment(prepared, options), InvalidOptions);
+}
+
+TEST(WarmStart, SameLabelsForAnyThreadCount) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    std::vector<int> reference;
+    for (int threads : {1, 2, 3}) {
+        PreparedMesh prepared(mesh, threads);
+        SegmentOptions options = warm_options(blobs(prepared.dual_graph(), 60, 2));
+        options.thread_count = threads;
+        const std::vector<int> labels = segment(prepared, options).labels;
+        EXPECT_TRUE(reference.empty() || labels == reference);
+        reference = labels;
+    }
+}
+
+TEST(WarmStart, TheTimeLimitAndCancelHold) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    PreparedMesh prepared(mesh, 2);
+    SegmentOptions options = warm_options(blobs(prepared.dual_graph(), 60, 2));
+    const std::vector<int> labels = segment(prepared, options).labels;
+    options.time_limit_seconds = 1e-9;
+    EXPECT_TRUE(segment(prepared, options).is_valid());
+    options.time_limit_seconds = 0.0;
+    for (int stop : {1, 4, 10}) {
+        int left = stop;
+        EXPECT_THROW(segment(prepared, options, [&](double, const char*) { return --left > 0; }),
+                     Cancelled);
+    }
+    EXPECT_EQ(segment(prepared, options).labels, labels);
+}
+
+TEST(WarmStart, GoesTogetherWithWeights) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    PreparedMesh prepared(mesh, 2);
+    SegmentOptions options = warm_options(blobs(prepared.dual_graph(), 50, 2));
+    options.balance = Balance::weight;
+    const Segmentation first = segment(prepared, options);
+    EXPECT_TRUE(is_sound(first.measures));
+    EXPECT_LE(first.weight_imbalance, 1.02);
+    options.initial_labels = first.labels;
+    const Segmentation second = segment(prepared, options);
+    EXPECT_TRUE(is_sound(second.measures));
+    EXPECT_LE(second.weight_imbalance, first.weight_imbalance + 0.001);
+}
+
+} // namespace
+} // namespace spheroseg

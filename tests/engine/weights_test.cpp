@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face_weights.h"
+#include "segment.h"
+#include "shares.h"
+#include "weight_balance.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+std::vector<double> random_weights(int face_count, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<double> weights(face_count);
+    for (double& weight : weights) {
+        weight = 1.0 + random.below(10);
+    }
+    return weights;
+}
+
+SegmentOptions weight_options(int submesh_count, std::vector<double> weights) {
+    SegmentOptions options;
+    options.submesh_count = submesh_count;
+    options.effort = Effort::draft;
+    options.balance = Balance::weight;
+    options.face_weights = std::move(weights);
+    return options;
+}
+
+/// What no segmentation can go below: the mean, and the heaviest face.
+double least_imbalance(const std::vector<double>& weights, int submesh_count) {
+    const double mean = std::accumulate(weights.begin(), weights.end(), 0.0) / submesh_count;
+    return std::max(1.0, *std::max_element(weights.begin(), weights.end()) / mean);
+}
+
+TEST(FaceWeights, IdealLoadByHand) {
+    EXPECT_DOUBLE_EQ(ideal_load({1, 1, 1, 1}, 2), 2.0);
+    // The 10 fills a sub-mesh alone; the others share 6 between two.
+    EXPECT_DOUBLE_EQ(ideal_load({1, 2, 10, 3}, 3), 3.0);
+    EXPECT_DOUBLE_EQ(ideal_load({100, 1, 10, 1}, 3), 2.0);
+    EXPECT_DOUBLE_EQ(ideal_load({5, 0, 0, 0}, 2), 0.0);
+    EXPECT_DOUBLE_EQ(ideal_load({0, 0}, 2), 0.0);
+    EXPECT_DOUBLE_EQ(ideal_load({1e308, 1e308, 1e308}, 3), 1e308);
+}
+
+TEST(FaceWeights, QuantizedLoadsAreOffByAtMostOneUnitPerFace) {
+    for (int submesh_count : {1, 2, 7, 100, 1000}) {
+        std::vector<double> weights = random_weights(2000, 3);
+        weights[17] = 1e6;
+        weights[18] = 0.0;
+        weights[19] = 1e-9;
+        const std::vector<int> quantized = quantized_weights(weights, submesh_count);
+        const double ideal = ideal_load(weights, submesh_count);
+        const double unit = ideal * submesh_count / (1 << 29);
+        std::int64_t sum = 0;
+        for (std::size_t f = 0; f < weights.size(); ++f) {
+            EXPECT_GE(quantized[f], 1);
+            EXPECT_NEAR(quantized[f] * unit, std::min(weights[f], ideal), unit * 1.000001);
+            sum += quantized[f];
+        }
+        EXPECT_LT(sum, 1 << 30);
+    }
+}
+
+TEST(FaceWeights, AreasByHandAndWithoutOverflow) {
+    TriangleMesh mesh;
+    mesh.positions = {{0, 0, 0}, {4, 0, 0}, {0, 2, 0}, {0, 0, 1}};
+    mesh.faces = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {0, 0, 1}};
+    const std::vector<double> areas = face_areas(mesh);
+    EXPECT_DOUBLE_EQ(areas[0] / areas[2], 4.0);
+    EXPECT_DOUBLE_EQ(areas[1] / areas[2], 2.0);
+    EXPECT_EQ(areas[3], 0.0);
+    for (Vec3& p : mesh.positions) {
+        p = p * 4e307;
+    }
+    EXPECT_DOUBLE_EQ(face_areas(mesh)[0] / areas[0], 1.0);
+}
+
+TEST(FaceWeights, ImbalanceByHand) {
+    EXPECT_DOUBLE_EQ(weight_imbalance({1, 2, 3, 6}, {0, 0, 0, 1}, 2), 1.0);
+    EXPECT_DOUBLE_EQ(weight_imbalance({1, 2, 3, 6}, {0, 0, 1, 1}, 2), 1.5);
+}
+
+TEST(FaceWeights, BadWeightsAreRefusedWithCountAndFirstFace) {
+    PreparedMesh mesh(octahedron(), 1);
+    const auto message = [&](std::vector<double> weights) -> std::string {
+        try {
+            segment(mesh, weight_options(2, std::move(weights)));
+        } catch (const InvalidOptions& error) {
+            return error.what();
+        }
+        return "";
+    };
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const double infinite = std::numeric_limits<double>::infinity();
+    EXPECT_NE(
+        message({1, 1, -2, 1, 1, -3, 1, 1}).find("2 of 8 are not; the first is face 2 with -2"),
+        std::string::npos);
+    EXPECT_NE(message({1, 1, 1, nan, 1, 1, 1, 1}).find("1 of 8 is not; the first is face 3"),
+              std::string::npos);
+    EXPECT_NE(message({1, 1, 1, 1, 1, 1, 1, infinite}).find("face 7 with inf"), std::string::npos);
+    EXPECT_NE(message({0, 0, 0, 0, 0, 0, 0, 0}).find("all 8 are 0"), std::string::npos);
+    EXPECT_NE(message({1, 2}).find("per face is expected (8), but there are 2"), std::string::npos);
+}
+
+TEST(FaceWeights, NeedTheMethodAndTheBalanceThatUseThem) {
+    PreparedMesh mesh(octahedron(), 1);
+    SegmentOptions options = weight_options(2, {});
+    options.method = Method::all_pairs;
+    EXPECT_THROW(segment(mesh, options), InvalidOptions);
+    options = weight_options(2, std::vector<double>(8, 1.0));
+    options.balance = Balance::triangle_count;
+    EXPECT_THROW(segment(mesh, options), InvalidOptions);
+}
+
+TEST(ShareByWeight, LargestWeightPerSubmeshIsTheLeastPossible) {
+    // Brute force over all shares of small cases.
+    Random random(5);
+    for (int round = 0; round < 200; ++round) {
+        std::vector<double> weights;
+        std::vector<int> face_counts;
+        for (int i = 0; i < 3; ++i) {
+            weights.push_back(random.below(20));
+            face_counts.push_back(1 + static_cast<int>(random.below(5)));
+        }
+        const int most = face_counts[0] + face_counts[1] + face_counts[2];
+        const int k = 3 + static_cast<int>(random.below(static_cast<std::uint32_t>(most - 2)));
+        double best = 1e300;
+        for (int a = 1; a <= face_counts[0]; ++a) {
+            for (int b = 1; b <= face_counts[1]; ++b) {
+                const int c = k - a - b;
+                if (c >= 1 && c <= face_counts[2]) {
+                    best =
+                        std::min(best, std::max({weights[0] / a, weights[1] / b, weights[2] / c}));
+                }
+            }
+        }
+        const std::vector<int> shares = share_submeshes_by_weight(weights, face_counts, k);
+        double largest = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            EXPECT_GE(shares[i], 1);
+            EXPECT_LE(shares[i], face_counts[i]);
+            largest = std::max(largest, weights[i] / shares[i]);
+        }
+        EXPECT_EQ(std::accumulate(shares.begin(), shares.end(), 0), k);
+        EXPECT_DOUBLE_EQ(largest, best);
+    }
+}
+
+TEST(WeightBalance, LowerLoadsKeepsEverySubmeshSoundAndNeverRaisesABalancedOne) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        const Levels levels(displaced_sphere(4, 0.3, seed + 1));
+        Patchwork patchwork = ragged_patchwork(levels, 40, seed);
+        Random random(seed);
+        std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
+        int total = 0;
+        for (Cell& cell : patchwork.cells) {
+            cell.weight = 1 + static_cast<int>(random.below(10));
+            patchwork.load[cell.label] += cell.weight;
+            total += cell.weight;
+        }
+        const int limit = total / 40 * 11 / 10;
+        const std::vector<int> before = patchwork.load;
+        EXPECT_TRUE(lower_loads(patchwork, limit));
+        std::vector<int> loads(40, 0);
+        for (const Cell& cell : patchwork.cells) {
+            loads[cell.label] += cell.weight;
+        }
+        EXPECT_EQ(loads, patchwork.load);
+        EXPECT_LE(heaviest_load(patchwork), limit);
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    }
+}
+
+TEST(WeightBalance, EveryMeshIsSoundAndNearTheLeastImbalance) {
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        PreparedMesh prepared(mesh, 2);
+        const int face_count = mesh.face_count();
+        for (int k : {2, 7, face_count / 64, face_count / 20}) {
+            if (k < 2 || k > face_count) {
+                continue;
+            }
+            std::vector<double> hard = random_weights(face_count, 2);
+            hard[face_count / 2] = std::accumulate(hard.begin(), hard.end(), 0.0) / 9.0;
+            for (const std::vector<double>& weights :
+                 {face_areas(mesh), random_weights(face_count, 1), hard}) {
+                const Segmentation result = segment(prepared, weight_options(k, weights));
+                EXPECT_TRUE(result.is_valid()) << name << ", k " << k;
+                EXPECT_TRUE(is_sound(result.measures)) << name << ", k " << k;
+                EXPECT_DOUBLE_EQ(result.weight_imbalance,
+                                 weight_imbalance(weights, result.labels, k));
+                // Faces can not be cut, so that one face more than the mean may be needed; in
+                // nested slivers whole stacks of faces hang together.
+                const double ideal = ideal_load(weights, k);
+                double heaviest_below = 0.0;
+                for (double weight : weights) {
+                    heaviest_below = std::max(heaviest_below, std::min(weight, ideal));
+                }
+                const double least = least_imbalance(weights, k);
+                EXPECT_TRUE(result.weight_imbalance <= 1.03 * least + heaviest_below / ideal ||
+                            name == "nested slivers")
+                    << result.weight_imbalance << " of " << least << ", " << name << ", k " << k;
+                EXPECT_LE(result.weight_imbalance, 2.0 * least) << name << ", k " << k;
+            }
+        }
+    }
+}
+
+TEST(WeightBalance, ExtremeWeightsGiveASoundResult) {
+    const TriangleMesh mesh = icosphere(3);
+    PreparedMesh prepared(mesh, 1);
+    const int face_count = mesh.face_count();
+    std::vector<double> one(face_count, 0.0);
+    one[100] = 1.0;
+    std::vector<double> huge(face_count, 1e308);
+    std::vector<double> spread(face_count);
+    for (int f = 0; f < face_count; ++f) {
+        spread[f] = std::pow(10.0, f % 600 - 300);
+    }
+    std::vector<double> half(face_count, 0.0);
+    std::fill(half.begin(), half.begin() + face_count / 2, 1.0);
+    for (const std::vector<double>& weights : {one, huge, spread, half}) {
+        for (int k : {1, 2, 30, face_count - 1, face_count}) {
+            const Segmentation result = segment(prepared, weight_options(k, weights));
+            EXPECT_TRUE(is_sound(result.measures)) << k;
+            EXPECT_TRUE(std::isfinite(result.weight_imbalance));
+            EXPECT_GE(result.weight_imbalance, 1.0 - 1e-12);
+        }
+    }
+    EXPECT_LE(segment(prepared, weight_options(30, half)).weight_imbalance, 1.1);
+}
+
+TEST(WeightBalance, EqualWeightsBalanceTheCounts) {
+    PreparedMesh prepared(displaced_sphere(4), 1);
+    const Segmentation result =
+        segment(prepared, weight_options(40, std::vector<double>(5120, 0.25)));
+    // 128 faces each.
+    EXPECT_LE(result.measures.max_submesh_triangles, 130);
+}
+
+TEST(WeightBalance, SameLabelsForAnyThreadCountAndScaleOfTheWeights) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    std::vector<double> weights = random_weights(mesh.face_count(), 4);
+    SegmentOptions options = weight_options(70, weights);
+    std::vector<int> reference;
+    for (int threads : {1, 2, 3}) {
+        PreparedMesh prepared(mesh, threads);
+        options.thread_count = threads;
+        const std::vector<int> labels = segment(prepared, options).labels;
+        EXPECT_TRUE(reference.empty() || labels == reference);
+        reference = labels;
+    }
+    for (double& weight : options.face_weights) {
+        weight *= 1024.0;
+    }
+    PreparedMesh prepared(mesh, 1);
+    EXPECT_EQ(segment(prepared, options).labels, reference);
+}
+
+TEST(WeightBalance, TheTimeLimitAndCancelHold) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    PreparedMesh prepared(mesh, 2);
+    SegmentOptions options = weight_options(80, random_weights(mesh.face_count(), 6));
+    const std::vector<int> labels = segment(prepared, options).labels;
+    for (double limit : {1e-9, 5e-3}) {
+        options.time_limit_seconds = limit;
+        const Segmentation result = segment(prepared, options);
+        EXPECT_TRUE(is_sound(result.measures));
+        EXPECT_TRUE(result.time_limit_hit);
+    }
+    options.time_limit_seconds = 0.0;
+    for (int stop : {1, 5, 10}) {
+        int left = stop;
+        EXPECT_THROW(segment(prepared, options, [&](double, const char*) { return --left > 0; }),
+                     Cancelled);
+    }
+    EXPECT_EQ(segment(prepared, options).labels, labels);
+}
+
+TEST(WeightBalance, ComponentsShareSubmeshesByWeight) {
+    // Two equal spheres, the second three times as heavy: 10 and 30 of 40 sub-meshes.
+    TriangleMesh mesh = displaced_sphere(3);
+    const int half = mesh.face_count();
+    const int vertex_count = mesh.vertex_count();
+    for (int v = 0; v < vertex_count; ++v) {
+        mesh.positions.push_back(mesh.positions[v] + Vec3{10, 0, 0});
+    }
+    for (int f = 0; f < half; ++f) {
+        const Triangle t = mesh.faces[f];
+        mesh.faces.push_back({t[0] + vertex_count, t[1] + vertex_count, t[2] + vertex_count});
+    }
+    std::vector<double> weights(2 * half, 1.0);
+    std::fill(weights.begin() + half, weights.end(), 3.0);
+    PreparedMesh prepared(mesh, 1);
+    const Segmentation result = segment(prepared, weight_options(40, weights));
+    EXPECT_TRUE(is_sound(result.measures));
+    EXPECT_LE(result.weight_imbalance, 1.02);
+    std::vector<int> first(result.labels.begin(), result.labels.begin() + half);
+    std::sort(first.begin(), first.end());
+    EXPECT_EQ(std::unique(first.begin(), first.end()) - first.begin(), 10);
+}
+
+} // namespace
+} // namespace spheroseg

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Weights and initial labels through the Python API and the command line."""
+
+import json
+
+import numpy as np
+import pytest
+from mesh_paths import SAMPLE_FOLDER, load_arrays
+
+import spheroseg
+from spheroseg import cli
+
+LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
+
+
+@pytest.fixture(scope="module")
+def leaf():
+    return load_arrays(LEAF)
+
+
+@pytest.fixture(scope="module")
+def weights(leaf):
+    return np.random.default_rng(2).integers(1, 11, len(leaf[1]))
+
+
+def imbalance(labels, weights):
+    loads = np.bincount(labels, weights)
+    return loads.max() / loads.mean()
+
+
+def test_weights_are_balanced(leaf, weights):
+    result = spheroseg.segment(*leaf, 12, balance="weight", face_weights=weights)
+    found = result.measures["weight_imbalance"]
+    assert found == pytest.approx(imbalance(result.labels, weights))
+    assert found <= 1.05
+
+
+def test_weights_without_the_balance_are_an_error(leaf, weights):
+    with pytest.raises(spheroseg.InputError, match="balance='weight'"):
+        spheroseg.segment(*leaf, 12, face_weights=weights)
+
+
+def test_weights_of_the_wrong_length_are_an_error(leaf, weights):
+    with pytest.raises(spheroseg.InputError, match="one entry per face"):
+        spheroseg.segment(*leaf, 12, balance="weight", face_weights=weights[1:])
+
+
+def test_labels_that_are_valid_get_no_worse_and_are_not_changed(leaf):
+    first = spheroseg.segment(*leaf, 12, effort="draft")
+    labels = first.labels.copy()
+    again = spheroseg.segment(*leaf, initial_labels=labels)
+    assert (labels == first.labels).all()
+    assert again.measures["submesh_count"] == 12
+    assert again.measures["boundary_edge_count"] <= first.measures["boundary_edge_count"]
+
+
+def test_random_labels_become_valid(leaf):
+    labels = np.random.default_rng(3).integers(0, 9, len(leaf[1]))
+    measures = spheroseg.segment(*leaf, initial_labels=labels).measures
+    assert measures["max_triangle_count_difference"] <= 1
+    assert measures["disconnected_submesh_count"] == 0
+    assert measures["bowtie_count"] == 0
+
+
+def test_fractional_labels_are_an_error(leaf):
+    with pytest.raises(spheroseg.InputError, match="whole numbers"):
+        spheroseg.segment(*leaf, initial_labels=np.full(len(leaf[1]), 0.5))
+
+
+def test_the_command_line_takes_both_from_files(leaf, weights, tmp_path):
+    np.save(tmp_path / "weights.npy", weights)
+    np.savetxt(tmp_path / "start.txt", np.arange(len(weights)) * 8 // len(weights), fmt="%d")
+    arguments = ["segment", LEAF, "-q", "--balance", "weight"]
+    arguments += ["--weights", tmp_path / "weights.npy"]
+    arguments += ["--initial-labels", tmp_path / "start.txt"]
+    arguments += ["--labels", tmp_path / "out.npy", "--json", tmp_path / "out.json"]
+    assert cli.main([str(argument) for argument in arguments]) == 0
+    labels = np.load(tmp_path / "out.npy")
+    measures = json.loads((tmp_path / "out.json").read_text())
+    assert measures["submesh_count"] == 8
+    assert measures["weight_imbalance"] == pytest.approx(imbalance(labels, weights))
+    same = spheroseg.segment(
+        *leaf,
+        balance="weight",
+        face_weights=weights,
+        initial_labels=np.arange(len(weights)) * 8 // len(weights),
+    )
+    assert (same.labels == labels).all()
+
+
+def test_a_missing_attribute_is_one_line(capsys):
+    arguments = ["segment", str(LEAF), "--balance", "weight", "--weight-attribute", "cost"]
+    assert cli.main(arguments) == 2
+    errors = capsys.readouterr().err
+    assert errors.count("\n") == 1
+    assert "cost" in errors
