@@ -82,6 +82,8 @@ private:
         } else {
             Shares shares = share_submeshes(face_counts, submesh_count);
             result_.best_max_triangle_count_difference = shares.max_triangle_count_difference;
+            least_count_ = shares.least_count;
+            largest_count_ = shares.largest_count;
             submesh_counts_ = std::move(shares.submesh_counts);
         }
         if (!options_.initial_labels.empty()) {
@@ -99,14 +101,17 @@ private:
         }
     }
 
-    FaceData data_of(int i) const {
+    ComponentTask task_of(int i) const {
         const Component& component = (*components_)[i];
-        FaceData data;
-        data.initial_labels = labels_[i].labels;
+        ComponentTask task;
+        task.submesh_count = submesh_counts_[i];
+        task.least_count = least_count_;
+        task.largest_count = largest_count_;
+        task.initial_labels = labels_[i].labels;
         for (int f = 0; f < component.face_count() && !weights_.empty(); ++f) {
-            data.weights.push_back(weights_[component.mesh_face(f)]);
+            task.weights.push_back(weights_[component.mesh_face(f)]);
         }
-        return data;
+        return task;
     }
 
     double done() const {
@@ -155,8 +160,7 @@ private:
             segment_component(component,
                               is_sphere ? &prepared_ : nullptr,
                               options,
-                              submesh_counts_[i],
-                              data_of(i),
+                              task_of(i),
                               deadline_,
                               progress,
                               part);
@@ -202,6 +206,8 @@ private:
     Segmentation& result_;
     std::vector<Component>* components_ = nullptr;
     std::vector<int> submesh_counts_;
+    int least_count_ = 0;
+    int largest_count_ = 0;
     std::vector<double> weights_;
     std::vector<ComponentLabels> labels_;
     std::atomic<int> done_faces_{0};

@@ -6,6 +6,7 @@
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "exact_cut.h"
 #include "face_weights.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
@@ -56,6 +57,12 @@ constexpr int kBalanceTries = 6;
 /// About as many cells as fit in a core's own cache.
 constexpr int kMinFacesToSort = 30000;
 constexpr int kMaxStarts = 6;
+/// Level at which trials of the first start are compared, and the most trials.
+constexpr int kTrialFaces = 4000;
+constexpr int kMaxTrials = 6;
+/// Limits of the search where no start could be balanced: some milliseconds.
+constexpr int kMaxFacesToSearch = 1000;
+constexpr int kMaxSearchSteps = 20000;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -69,14 +76,13 @@ public:
     FastSegmentation(Component& component,
                      PreparedMesh* whole,
                      const SegmentOptions& options,
-                     int submesh_count,
-                     const FaceData& data,
+                     const ComponentTask& task,
                      const Deadline& deadline,
                      const Progress& progress,
                      Segmentation& result)
-        : component_(component), whole_(whole), options_(options), submesh_count_(submesh_count),
-          data_(data), deadline_(deadline), progress_(progress), result_(result),
-          budget_(budget_of(options.effort)) {}
+        : component_(component), whole_(whole), options_(options), task_(task),
+          submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
+          result_(result), budget_(budget_of(options.effort)) {}
 
     void run() {
         const Deadline watch;
@@ -85,23 +91,24 @@ public:
         if (by_weight()) {
             weighted_.emplace(multilevel_->hierarchy(),
                               component_.face_count(),
-                              quantized_weights(data_.weights, submesh_count_));
+                              quantized_weights(task_.weights, submesh_count_));
             multilevel_ = &*weighted_;
         }
         result_.parametrization_seconds += watch.elapsed_seconds();
         const int wanted_starts =
-            options_.effort == Effort::high && data_.initial_labels.empty() ? kHighStarts : 1;
+            options_.effort == Effort::high && task_.initial_labels.empty() ? kHighStarts : 1;
         consider_input();
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts, start + 1);
             start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
-            Patchwork patchwork = first_labels(start, wanted_starts);
+            const bool is_tried = start == 0 && trial_count() > 1;
+            Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start, wanted_starts);
             patchwork.may_close_rings = start == 0 || any_valid_;
-            refine_levels(patchwork);
+            refine_levels(patchwork, is_tried);
             const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
-            if (valid && start > 0 && !data_.initial_labels.empty()) {
-                rename_like(result_.labels, data_.initial_labels, submesh_count_);
+            if (valid && start > 0 && !task_.initial_labels.empty()) {
+                rename_like(result_.labels, task_.initial_labels, submesh_count_);
             }
             any_valid_ = any_valid_ || valid;
             // Even out of time an invalid result is worth another start.
@@ -110,16 +117,19 @@ public:
                 break;
             }
         }
+        if (!any_valid_ && !by_weight() && component_.face_count() <= kMaxFacesToSearch) {
+            search();
+        }
         result_.refinement_iterations =
             static_cast<int>(result_.seconds_by_iteration.size()) - result_.cohesion_iterations;
     }
 
 private:
-    bool by_weight() const { return !data_.weights.empty(); }
+    bool by_weight() const { return !task_.weights.empty(); }
 
     /// Initial labels that are valid already are a result to beat.
     void consider_input() {
-        const std::vector<int>& labels = data_.initial_labels;
+        const std::vector<int>& labels = task_.initial_labels;
         if (labels.empty() || *std::min_element(labels.begin(), labels.end()) < 0) {
             return;
         }
@@ -133,14 +143,14 @@ private:
 
     Patchwork input_labels() const {
         Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
-        multilevel_->set_labels(patchwork, data_.initial_labels);
+        multilevel_->set_labels(patchwork, task_.initial_labels);
         return patchwork;
     }
 
-    static bool is_balanced(const Patchwork& patchwork) {
+    bool is_balanced(const Patchwork& patchwork) const {
         const auto [least, most] =
             std::minmax_element(patchwork.load.begin(), patchwork.load.end());
-        return *most - *least <= 1;
+        return *least >= task_.least_count && *most <= task_.largest_count;
     }
 
     /// Keeps the labels if no better ones were met. `sound`: every sub-mesh is connected and free
@@ -167,7 +177,7 @@ private:
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
     Patchwork first_labels(int start, int wanted_starts) {
-        is_warm_ = start == 0 && !data_.initial_labels.empty();
+        is_warm_ = start == 0 && !task_.initial_labels.empty();
         if (is_warm_) {
             Patchwork patchwork = input_labels();
             forced_faces_ = adopt_labels(patchwork, seed_);
@@ -180,14 +190,81 @@ private:
         return patchwork;
     }
 
+    /// The last resort, where moves got stuck on narrow branches.
+    void search() {
+        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
+        if (cut_exactly(patchwork, task_.least_count, task_.largest_count, kMaxSearchSteps)) {
+            const auto [least, most] =
+                std::minmax_element(patchwork.load.begin(), patchwork.load.end());
+            if (*most - *least <= 1) {
+                anneal_balanced(patchwork, exchanges(), control(&deadline_, 0.7, 1.0));
+            }
+            keep_if_better(patchwork, true);
+        }
+    }
+
+    int coarse_face_count() const {
+        return static_cast<int>(std::min<std::int64_t>(
+            component_.face_count(),
+            std::max<std::int64_t>(kMinCoarseFaces,
+                                   std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
+    }
+
+    /// With few sub-meshes the layout decides, and another one costs little.
+    int trial_count() const {
+        const bool limited = options_.max_cohesion_iterations > 0 ||
+            options_.max_refinement_iterations > 0 || !task_.initial_labels.empty();
+        return limited ? 1 : std::clamp(kTrialFaces / coarse_face_count() / 2, 1, kMaxTrials);
+    }
+
+    /// Anneals several starts up to a level where edges are about equally long, and keeps the one
+    /// with the shortest boundary.
+    Patchwork best_of_trials() {
+        Patchwork best;
+        std::int64_t least_edges = -1;
+        const std::uint64_t first_seed = seed_;
+        for (int trial = 0; trial < trial_count(); ++trial) {
+            seed_ = first_seed + 0x51ED270BULL * static_cast<std::uint64_t>(trial);
+            Patchwork patchwork = graph_start(0);
+            const int forced = repair(patchwork);
+            anneal_trial(patchwork);
+            const std::int64_t edges = count_boundary_edges(patchwork, options_.thread_count) +
+                (forced > 0 ? std::int64_t{1} << 40 : 0);
+            if (least_edges < 0 || edges < least_edges) {
+                least_edges = edges;
+                forced_faces_ = forced;
+                best = std::move(patchwork);
+            }
+            if (deadline_.expired()) {
+                break;
+            }
+        }
+        seed_ = first_seed;
+        return best;
+    }
+
+    void anneal_trial(Patchwork& patchwork) {
+        const Deadline watch;
+        AnnealSchedule schedule = coarse_schedule();
+        AnnealControl unrecorded;
+        unrecorded.deadline = &deadline_;
+        for (;;) {
+            set_balance(schedule, patchwork, 0.5, 1.5);
+            anneal(patchwork, schedule, unrecorded);
+            continue_schedule(schedule);
+            if (patchwork.face_count() >= std::min(kTrialFaces, component_.face_count())) {
+                break;
+            }
+            uncoarsen(patchwork);
+        }
+        report_progress(start_progress_, 0.25, "Refinement");
+        result_.refinement_seconds += watch.elapsed_seconds();
+    }
+
     Patchwork graph_start(int start) {
         const Deadline watch;
         const int face_count = component_.face_count();
-        const auto wanted = static_cast<int>(std::min<std::int64_t>(
-            face_count,
-            std::max<std::int64_t>(kMinCoarseFaces,
-                                   static_cast<std::int64_t>(kCoarseFacesPerSubmesh) *
-                                       submesh_count_)));
+        const int wanted = coarse_face_count();
         const bool coarsen = start < 2 && wanted < kWorthCoarsening * face_count;
         Patchwork patchwork = multilevel_->coarsen(coarsen ? wanted : face_count, submesh_count_);
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
@@ -241,8 +318,7 @@ private:
         schedule.balance_weight_end = end / faces_per_submesh;
     }
 
-    void refine_levels(Patchwork& patchwork) {
-        const Deadline watch;
+    AnnealSchedule coarse_schedule() const {
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_;
@@ -250,23 +326,45 @@ private:
         schedule.temperature_end = 0.15;
         schedule.proposals_per_face = budget_.coarse_proposals;
         schedule.phase_count = budget_.coarse_phases;
+        return schedule;
+    }
+
+    void continue_schedule(AnnealSchedule& schedule) const {
+        ++schedule.seed;
+        schedule.temperature_begin = 0.25;
+        schedule.proposals_per_face = budget_.level_proposals;
+        schedule.phase_count = budget_.level_phases;
+    }
+
+    void uncoarsen(Patchwork& patchwork) const {
+        const int face_count = component_.face_count();
+        const double grown = patchwork.face_count() * budget_.growth;
+        multilevel_->uncoarsen(patchwork,
+                               grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
+                                                                     : face_count);
+    }
+
+    /// `is_annealed`: the first level was annealed before.
+    void refine_levels(Patchwork& patchwork, bool is_annealed) {
+        const Deadline watch;
+        AnnealSchedule schedule = coarse_schedule();
+        if (is_annealed) {
+            continue_schedule(schedule);
+        }
         const int face_count = component_.face_count();
         double done = 0.25;
         while (patchwork.face_count() < face_count) {
             set_balance(schedule, patchwork, 0.5, 1.5);
             const double next = done + (0.7 - done) * 0.4;
-            in_label_order(patchwork, [&](Patchwork& level) {
-                anneal(level, schedule, control(&deadline_, done, next));
-            });
+            if (!is_annealed) {
+                in_label_order(patchwork, [&](Patchwork& level) {
+                    anneal(level, schedule, control(&deadline_, done, next));
+                });
+                continue_schedule(schedule);
+            }
+            is_annealed = false;
             done = next;
-            const double grown = patchwork.face_count() * budget_.growth;
-            multilevel_->uncoarsen(patchwork,
-                                   grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
-                                                                         : face_count);
-            ++schedule.seed;
-            schedule.temperature_begin = 0.25;
-            schedule.proposals_per_face = budget_.level_proposals;
-            schedule.phase_count = budget_.level_phases;
+            uncoarsen(patchwork);
         }
         schedule.temperature_end = 0.1;
         set_balance(schedule, patchwork, 0.5, 5.0);
@@ -308,7 +406,9 @@ private:
             return is_near_balance(patchwork) &&
                 balance_exactly(patchwork, 20 * static_cast<std::int64_t>(patchwork.face_count()));
         }
-        bool balanced = balance_exactly(patchwork);
+        // Far more than is ever needed where it can be done.
+        const std::int64_t max_searches = 50 * static_cast<std::int64_t>(patchwork.face_count());
+        bool balanced = balance_exactly(patchwork, max_searches);
         for (int i = 0; i < kBalanceTries && !balanced; ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             AnnealSchedule schedule;
@@ -321,7 +421,7 @@ private:
             schedule.proposals_per_face = 100.0;
             schedule.phase_count = 12;
             anneal(patchwork, schedule, {});
-            balanced = balance_exactly(patchwork);
+            balanced = balance_exactly(patchwork, max_searches);
         }
         return balanced;
     }
@@ -354,8 +454,8 @@ private:
     Component& component_;
     PreparedMesh* const whole_;
     const SegmentOptions& options_;
+    const ComponentTask& task_;
     const int submesh_count_;
-    const FaceData& data_;
     const Deadline& deadline_;
     const Progress& progress_;
     Progress start_progress_;
@@ -375,13 +475,11 @@ private:
 void segment_component(Component& component,
                        PreparedMesh* whole,
                        const SegmentOptions& options,
-                       int submesh_count,
-                       const FaceData& data,
+                       const ComponentTask& task,
                        const Deadline& deadline,
                        const Progress& progress,
                        Segmentation& result) {
-    FastSegmentation(component, whole, options, submesh_count, data, deadline, progress, result)
-        .run();
+    FastSegmentation(component, whole, options, task, deadline, progress, result).run();
 }
 
 } // namespace spheroseg

@@ -5,11 +5,16 @@
 
 namespace spheroseg {
 
-/// What the user gave for the faces of one component; empty: nothing.
-struct FaceData {
-    /// Finite, >= 0.
+/// What one component is to be cut into.
+struct ComponentTask {
+    int submesh_count = 1;
+    /// Without weights: triangle counts that do not make the MTCD of the whole mesh larger than it
+    /// has to be.
+    int least_count = 0;
+    int largest_count = 0;
+    /// Of its faces, finite and >= 0, or empty.
     std::vector<double> weights;
-    /// In [0, submesh_count), or -1 for none.
+    /// Of its faces, in [0, submesh_count), or -1 for none; or empty.
     std::vector<int> initial_labels;
 };
 
@@ -23,14 +28,13 @@ struct FaceData {
 /// With initial labels, the first start is these, adopted (adopt_labels) and refined on the finest
 /// level; if they are valid and balanced already, they also compete with the results.
 ///
-/// Fills labels (one in [0, submesh_count) per face of the component), iterations and times of
+/// Fills labels (one in [0, task.submesh_count) per face of the component), iterations and times of
 /// `result`. The time limit cuts the annealing short, not what makes the result valid. `whole` is
 /// the mesh that the component is where that can be mapped to the sphere, else null.
 void segment_component(Component& component,
                        PreparedMesh* whole,
                        const SegmentOptions& options,
-                       int submesh_count,
-                       const FaceData& data,
+                       const ComponentTask& task,
                        const Deadline& deadline,
                        const Progress& progress,
                        Segmentation& result);

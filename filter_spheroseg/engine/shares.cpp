@@ -31,6 +31,8 @@ public:
         const Bounds best = best_bounds();
         Shares shares;
         shares.max_triangle_count_difference = best.most - best.least;
+        shares.least_count = best.least;
+        shares.largest_count = best.most;
         shares.submesh_counts.reserve(face_counts_.size());
         int given = 0;
         for (int n : face_counts_) {

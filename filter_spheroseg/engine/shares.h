@@ -12,6 +12,9 @@ struct Shares {
     /// Largest minus smallest triangle count when each component is parted as evenly as its count
     /// allows: no other shares make it smaller.
     int max_triangle_count_difference = 0;
+    /// The least and the largest triangle count then.
+    int least_count = 0;
+    int largest_count = 0;
 };
 
 /// Shares `submesh_count` sub-meshes among components of `face_counts` faces so that the largest

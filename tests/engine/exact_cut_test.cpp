@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "exact_cut.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+/// Grows a surface by gluing triangles to random open edges: its dual graph is a tree.
+TriangleMesh random_tree(int face_count, std::uint64_t seed) {
+    Random random(seed);
+    TriangleMesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.faces = {{0, 1, 2}};
+    std::vector<std::pair<int, int>> open = {{1, 0}, {2, 1}, {0, 2}};
+    while (mesh.face_count() < face_count) {
+        const std::size_t at = random.below(static_cast<std::uint32_t>(open.size()));
+        const auto [a, b] = open[at];
+        const int tip = mesh.vertex_count();
+        mesh.positions.push_back({1.0 * tip, 0.0, 0.0});
+        mesh.faces.push_back({a, b, tip});
+        open[at] = {tip, b};
+        open.emplace_back(a, tip);
+    }
+    return mesh;
+}
+
+/// Whether connected parts of `least` to `most` faces exist: all labellings are tried.
+bool exists(const Levels& levels, int k, int least, int most, std::vector<int>& labels, int face) {
+    if (face == levels.mesh.face_count()) {
+        const Measures measures = measure(levels.mesh, levels.graph, labels, k);
+        return is_sound(measures) && measures.min_submesh_triangles >= least &&
+            measures.max_submesh_triangles <= most;
+    }
+    int used = 0;
+    for (int f = 0; f < face; ++f) {
+        used = std::max(used, labels[f] + 1);
+    }
+    for (int l = 0; l < std::min(used + 1, k); ++l) {
+        labels[face] = l;
+        if (exists(levels, k, least, most, labels, face + 1)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+TEST(ExactCut, FindsACutExactlyWhereOneExists) {
+    int found_count = 0;
+    int impossible_count = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        const int f = 4 + static_cast<int>(seed % 6);
+        const Levels levels(random_tree(f, seed));
+        for (int k = 2; k < f; ++k) {
+            const int least = f / k;
+            const int most = (f + k - 1) / k;
+            Patchwork patchwork = levels.multilevel.coarsen(f, k);
+            const bool found = cut_exactly(patchwork, least, most, 100000);
+            std::vector<int> labels(f, 0);
+            EXPECT_EQ(found, exists(levels, k, least, most, labels, 0)) << f << " faces, k " << k;
+            (found ? found_count : impossible_count) += 1;
+            if (found) {
+                const Measures measures = measures_of(levels, patchwork);
+                EXPECT_TRUE(is_sound(measures));
+                EXPECT_GE(measures.min_submesh_triangles, least);
+                EXPECT_LE(measures.max_submesh_triangles, most);
+                EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+            }
+        }
+    }
+    EXPECT_GT(found_count, 20);
+    EXPECT_GT(impossible_count, 20);
+}
+
+TEST(ExactCut, GivesUpAfterItsSteps) {
+    const Levels levels(icosphere(3));
+    Patchwork patchwork = levels.multilevel.coarsen(1280, 64);
+    EXPECT_FALSE(cut_exactly(patchwork, 20, 20, 10));
+}
+
+} // namespace
+} // namespace spheroseg
