@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "component_segmentation.h"
 
+#include "exact_cut.h"
 #include "face_weights.h"
 #include "fast_segmentation.h"
 #include "initial_labels.h"
@@ -58,12 +59,47 @@ public:
                         component_count > 1 ? sub_progress(progress_, begin, done()) : progress_);
         }
         segment_small(small);
+        if (options_.balance == Balance::triangle_count && submesh_count > 1 &&
+            prepared_.mesh().face_count() <= kMaxFacesToSearch && !is_as_even_as_possible()) {
+            search_all_shares(submesh_count);
+        }
         result_.parametrization_seconds += preparation;
         result_.energy_by_iteration = result_.boundary_edges_by_iteration;
         result_.time_limit_hit = deadline_.expired();
     }
 
 private:
+    bool is_as_even_as_possible() const {
+        std::vector<int> counts;
+        for (int label : result_.labels) {
+            counts.resize(std::max(counts.size(), static_cast<std::size_t>(label) + 1), 0);
+            ++counts[label];
+        }
+        const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+        return *most - *least <= result_.best_max_triangle_count_difference;
+    }
+
+    /// The last resort for small meshes: other shares, and any counts that differ as little as
+    /// those of the best shares.
+    void search_all_shares(int submesh_count) {
+        const TriangleMesh& mesh = prepared_.mesh();
+        Patchwork patchwork;
+        patchwork.load.assign(submesh_count, 0);
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            const Triangle& v = mesh.faces[f];
+            const auto& n = prepared_.dual_graph().neighbors[f];
+            patchwork.cells.push_back({{v[0], v[1], v[2]}, {n[0], n[1], n[2]}, 0, 1});
+        }
+        const int difference = result_.best_max_triangle_count_difference;
+        const int mean = mesh.face_count() / submesh_count;
+        for (int least = mean; least >= std::max(1, mean - difference); --least) {
+            if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
+                result_.labels = labels_of(patchwork);
+                return;
+            }
+        }
+    }
+
     /// How many sub-meshes each component gets, and which labels.
     void share_out(const std::vector<int>& face_counts, int submesh_count) {
         if (options_.balance == Balance::weight) {

@@ -5,11 +5,16 @@
 
 namespace spheroseg {
 
-/// Cuts a connected patchwork of unit weights into connected sub-meshes without bowties of `least`
-/// to `most` faces each, by a search with backtracking: sub-mesh after sub-mesh around the face
-/// with the fewest free neighbours, such that what is left over can still be parted. Meant for
-/// surfaces whose dual graph is nearly a tree, where moves along boundaries get stuck. Gives up
-/// after `max_steps` faces were placed; then it returns false and the labels mean nothing.
+/// Limits within which the search takes some milliseconds.
+constexpr int kMaxFacesToSearch = 1000;
+constexpr int kMaxSearchSteps = 20000;
+
+/// Cuts a patchwork of unit weights, in one or several pieces, into connected sub-meshes without
+/// bowties of `least` to `most` faces each, by a search with backtracking: sub-mesh after sub-mesh
+/// around the face with the fewest free neighbours, such that what is left over can still be
+/// parted. Meant for surfaces whose dual graph is nearly a tree, where moves along boundaries get
+/// stuck. Gives up after `max_steps` faces were placed; then it returns false and the labels mean
+/// nothing.
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps);
 
 } // namespace spheroseg

@@ -60,9 +60,6 @@ constexpr int kMaxStarts = 6;
 /// Level at which trials of the first start are compared, and the most trials.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 6;
-/// Limits of the search where no start could be balanced: some milliseconds.
-constexpr int kMaxFacesToSearch = 1000;
-constexpr int kMaxSearchSteps = 20000;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch

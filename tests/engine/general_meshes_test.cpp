@@ -368,6 +368,29 @@ TEST(General, WhatCanNotBeBalancedIsMeasuredTruthfully) {
     EXPECT_EQ(result.measures.disconnected_submesh_count, 0);
 }
 
+TEST(General, SharesThatABranchCanNotTakeAreChanged) {
+    // A triangle with a triangle on each side can be cut into a piece of one to three faces and the
+    // rest, or one face each, but not into halves; a strip of eight faces takes any share.
+    TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+                         {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
+    append(mesh, band(4, 1, Wrap::none, false));
+    PreparedMesh prepared(mesh);
+    for (int k = 2; k <= 12; ++k) {
+        SegmentOptions options;
+        options.submesh_count = k;
+        const Segmentation result = segment(prepared, options);
+        const Judgement judged = Judge(mesh, result.labels).run(k);
+        EXPECT_EQ(judged.pieces_too_many, 0) << k;
+        EXPECT_EQ(judged.bowties, 0) << k;
+        // By size alone 5 parts could have 2 or 3 faces each and 6 parts 2, but the branch would
+        // have to be halved: it is left whole or cut into 3 and 1, which differ by two at least.
+        const int impossible = k == 5 ? 1 : k == 6 ? 2 : 0;
+        EXPECT_EQ(judged.most - judged.least,
+                  result.best_max_triangle_count_difference + impossible)
+            << k;
+    }
+}
+
 TEST(General, IterationsOfComponentsAddUp) {
     TriangleMesh spheres = icosphere(3);
     append(spheres, icosphere(4));

@@ -9,6 +9,7 @@ from mesh_paths import SAMPLE_FOLDER, load_arrays
 
 import spheroseg
 from spheroseg import cli
+from spheroseg.baselines import load
 
 LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
 
@@ -94,3 +95,19 @@ def test_a_missing_attribute_is_one_line(capsys):
     errors = capsys.readouterr().err
     assert errors.count("\n") == 1
     assert "cost" in errors
+
+
+@pytest.mark.parametrize("name", ["metis_kway", "metis_recursive", "region_growing"])
+def test_labels_of_other_methods_become_valid_and_mostly_stay(name):
+    arrays = load_arrays(SAMPLE_FOLDER / "displaced_sphere.ply")
+    given = load(name)(*arrays, 60, 1)
+    before = spheroseg.measure(*arrays, given)
+    result = spheroseg.segment(*arrays, initial_labels=given)
+    after = result.measures
+    assert after["submesh_count"] == len(np.unique(given))
+    assert after["max_triangle_count_difference"] <= 1
+    assert after["bowtie_count"] == after["disconnected_submesh_count"] == 0
+    assert after["boundary_edge_count"] <= before["boundary_edge_count"]
+    kept = np.mean(result.labels == given)
+    # Region growing leaves parts of very different sizes, which have to give much away.
+    assert kept > (0.2 if name == "region_growing" else 0.5)

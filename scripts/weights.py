@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Compares balance by weight with METIS given the same weights: the table of docs/weights.md.
+
+Usage: .venv/bin/python scripts/weights.py
+
+PyMeshLab's samples cow and bunny, k = 200 and F/64, seed 1: areas, and random whole weights from 1
+to 10. METIS: k-way, contiguous, vertex weights (areas as multiples of 1e-6 of their sum), other
+options default.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pymeshlab
+import pymetis
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+
+import spheroseg  # noqa: E402
+from spheroseg.baselines import build_dual_graph  # noqa: E402
+
+SAMPLES = Path(pymeshlab.__path__[0]) / "tests" / "sample_meshes"
+
+
+def face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def metis_labels(faces: np.ndarray, weights: np.ndarray, k: int) -> np.ndarray:
+    graph = build_dual_graph(faces)
+    whole = weights
+    if not np.array_equal(weights, weights.astype(int)):
+        whole = np.maximum(1, np.round(weights / weights.sum() * 1e6))
+    result = pymetis.part_graph(
+        k,
+        pymetis.CSRAdjacency(graph.starts, graph.adjacent),
+        vweights=whole.astype(int).tolist(),
+        recursive=False,
+        options=pymetis.Options(contig=True, seed=1),
+    )
+    return np.asarray(result.vertex_part)
+
+
+def row(name: str, kind: str, vertices, faces, weights, k: int) -> str:
+    cells = [name, f"{len(faces):,}", str(k), kind]
+    ours = spheroseg.segment(
+        vertices, faces, k, balance="weight", face_weights=weights, seed=1
+    ).labels
+    lightest_possible = max(1.0, weights.max() / (weights.sum() / k))
+    for labels in (ours, metis_labels(faces, weights, k)):
+        loads = np.bincount(labels, weights, minlength=k)
+        measures = spheroseg.measure(vertices, faces, labels)
+        cells += [f"{loads.max() / loads.mean():.4f}", str(measures["boundary_edge_count"])]
+    return "| " + " | ".join([*cells, f"{lightest_possible:.3f}"]) + " |"
+
+
+def main() -> None:
+    print("| mesh | F | k | weights | ours: heaviest / mean | BE | METIS | BE | no less than |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for name in ("cow.obj", "bunny.obj"):
+        meshes = pymeshlab.MeshSet()
+        meshes.load_new_mesh(str(SAMPLES / name))
+        vertices = meshes.current_mesh().vertex_matrix()
+        faces = meshes.current_mesh().face_matrix()
+        random = np.random.default_rng(1).integers(1, 11, len(faces)).astype(float)
+        for k in (200, -(-len(faces) // 64)):
+            for kind, weights in (("area", face_areas(vertices, faces)), ("1 to 10", random)):
+                print(row(name, kind, vertices, faces, weights, k), flush=True)
+
+
+if __name__ == "__main__":
+    main()
