@@ -102,7 +102,8 @@ def exit_code_of_fork(work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-@pytest.mark.parametrize("name", ["ply", "text.ply", "obj", "off", "stl", "text.stl"])
+# Not obj: PyMeshLab's reader may corrupt its memory there (docs/reliability.md, Limits).
+@pytest.mark.parametrize("name", ["ply", "text.ply", "off", "stl", "text.stl"])
 def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
     # In processes of their own: PyMeshLab might end one.
     generator = random.Random(2)
