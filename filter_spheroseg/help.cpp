@@ -13,13 +13,11 @@
 
 #define SPHEROSEG_SURFACE                                                                          \
     "<b>Needs</b> a triangle mesh with finite coordinates whose edges have one or two faces "      \
-    "each. "                                                                                       \
-    "It may have holes, handles and several components (each sub-mesh lies in one, so there must " \
-    "be no more components than sub-meshes); orientation does not matter, and unreferenced "       \
-    "vertices are ignored. The method <i>all_pairs</i> needs one closed, consistently oriented "   \
-    "component of genus 0 (a ball or an animal, not a ring). For any other mesh the filter "       \
-    "fails, "                                                                                      \
-    "says what is wrong, and changes nothing.<br>"
+    "each; "                                                                                       \
+    "holes, handles, any orientation and up to as many components as sub-meshes are fine. "        \
+    "<i>all_pairs</i> needs one closed, consistently oriented component of genus 0. Otherwise "    \
+    "the "                                                                                         \
+    "filter fails, says what is wrong, and changes nothing.<br>"
 
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
@@ -38,17 +36,12 @@ const char* const kSegmentationHelp =
     "(no bowtie), and the boundaries between them are short. Say how many sub-meshes there shall "
     "be, or how many triangles each shall have; the other parameters can stay as they "
     "are.<br>"
-    "With the balance <i>weight</i> the sub-meshes are equal by the areas of their triangles or by "
-    "a per-face custom scalar attribute instead, as far as whole triangles allow. With the initial "
-    "labels <i>face_quality</i> the labels now in face quality are repaired, balanced and refined; "
-    "they keep their numbers as far as possible (without gaps, in increasing order), and labels "
-    "that are valid already get no worse.<br>" SPHEROSEG_SURFACE
+    "They can also be balanced by weight, and existing labels can be repaired and refined; see the "
+    "parameters.<br>" SPHEROSEG_SURFACE
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
-    "apart. The measures of the result are in the log. Labels depend on how the triangles are "
-    "connected and on the seed, not on the coordinates or the number of threads. A "
-    "valid per-vertex attribute <i>sphere_position</i> (see Spherical Parametrization) is used "
-    "instead of a new map.<br>"
+    "apart; measures are in the log. A valid attribute <i>sphere_position</i> (see Spherical "
+    "Parametrization) is used instead of a new map.<br>"
     "<small><b>Returns</b> to PyMeshLab <i>submesh_count</i>, <i>triangle_count</i>, "
     "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
     ", <i>component_count</i>, <i>best_max_triangle_count_difference</i> (the least that the sizes "
