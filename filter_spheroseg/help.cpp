@@ -19,6 +19,11 @@
     "the "                                                                                         \
     "filter fails, says what is wrong, and changes nothing.<br>"
 
+#define SPHEROSEG_SHORT_MEASURES                                                                   \
+    "the measures of <i>get_segmentation_measures</i>, <i>component_count</i>, "                   \
+    "<i>best_max_triangle_count_difference</i>, <i>weight_imbalance</i>, <i>time_limit_hit</i>, "  \
+    "<i>used_cuda</i>"
+
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
     "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "               \
@@ -30,28 +35,15 @@
 namespace spheroseg {
 
 const char* const kSegmentationHelp =
-    "Cuts a surface into sub-meshes of equal size: their triangle counts differ by at most one (of "
-    "several components, as little as their sizes allow). With the method <i>fast</i> each is in "
-    "one piece and touches itself at no single vertex "
-    "(no bowtie), and the boundaries between them are short. Say how many sub-meshes there shall "
-    "be, or how many triangles each shall have; the other parameters can stay as they "
-    "are.<br>"
-    "They can also be balanced by weight, and existing labels can be repaired and refined; see the "
-    "parameters.<br>" SPHEROSEG_SURFACE
+    "Cuts a surface into sub-meshes of equal triangle counts (of several components, as equal as "
+    "their sizes allow), each in one piece and without bowties (<i>fast</i>). Can also balance by "
+    "weight, and repair existing labels.<br>" SPHEROSEG_SURFACE
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
-    "apart; measures are in the log. A valid attribute <i>sphere_position</i> (see Spherical "
-    "Parametrization) is used instead of a new map.<br>"
-    "<small><b>Returns</b> to PyMeshLab <i>submesh_count</i>, <i>triangle_count</i>, "
-    "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, " SPHEROSEG_MEASURES
-    ", <i>component_count</i>, <i>best_max_triangle_count_difference</i> (the least that the sizes "
-    "of the components allow), <i>weight_imbalance</i> (heaviest sub-mesh over the mean, by "
-    "triangle counts or weights), <i>cohesion_iterations</i>, <i>refinement_iterations</i>, "
-    "<i>parametrization_seconds</i>, "
-    "<i>cohesion_seconds</i>, <i>refinement_seconds</i>, <i>total_seconds</i>, "
-    "<i>time_limit_hit</i>, <i>used_cuda</i>, and for each iteration (cohesion, then refinement) "
-    "<i>boundary_edges_by_iteration</i>, <i>seconds_by_iteration</i>, "
-    "<i>energy_by_iteration</i>.</small><br>" SPHEROSEG_CITATION;
+    "apart; measures are in the log.<br>"
+    "<small><b>Returns</b> to PyMeshLab the counts, " SPHEROSEG_SHORT_MEASURES
+    ", the times, and for each iteration the boundary edges, seconds and "
+    "energy.</small><br>" SPHEROSEG_CITATION;
 
 const char* const kParametrizationHelp =
     "Maps a mesh onto the unit sphere without flipped triangles: the mesh is collapsed to a "
