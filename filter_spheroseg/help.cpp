@@ -11,19 +11,6 @@
     "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "   \
     "what is wrong, and changes nothing.<br>"
 
-#define SPHEROSEG_SURFACE                                                                          \
-    "<b>Needs</b> a triangle mesh with finite coordinates whose edges have one or two faces "      \
-    "each; "                                                                                       \
-    "holes, handles, any orientation and up to as many components as sub-meshes are fine. "        \
-    "<i>all_pairs</i> needs one closed, consistently oriented component of genus 0. Otherwise "    \
-    "the "                                                                                         \
-    "filter fails, says what is wrong, and changes nothing.<br>"
-
-#define SPHEROSEG_SHORT_MEASURES                                                                   \
-    "the measures of <i>get_segmentation_measures</i>, <i>component_count</i>, "                   \
-    "<i>best_max_triangle_count_difference</i>, <i>weight_imbalance</i>, <i>time_limit_hit</i>, "  \
-    "<i>used_cuda</i>"
-
 #define SPHEROSEG_MEASURES                                                                         \
     "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
     "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "               \
@@ -36,13 +23,23 @@ namespace spheroseg {
 
 const char* const kSegmentationHelp =
     "Cuts a surface into sub-meshes of equal triangle counts (of several components, as equal as "
-    "their sizes allow), each in one piece and without bowties (<i>fast</i>). Can also balance by "
-    "weight, and repair existing labels.<br>" SPHEROSEG_SURFACE
+    "their sizes allow), each in one piece and without bowties (<i>fast</i>), with short "
+    "boundaries. Say how many sub-meshes there shall be, or how many triangles each shall have; "
+    "the "
+    "other parameters can stay as they are. Those below the arrow balance by weight instead, or "
+    "repair "
+    "existing labels.<br>"
+    "<b>Needs</b> a triangle mesh with finite coordinates whose edges have one or two faces each; "
+    "holes, handles, any orientation and up to as many components as sub-meshes are fine. "
+    "<i>all_pairs</i> needs one closed, consistently oriented component of genus 0. Otherwise the "
+    "filter fails, says what is wrong, and changes nothing.<br>"
     "<b>Writes</b> the label of each face, a whole number from 0 to the number of sub-meshes "
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
     "apart; measures are in the log.<br>"
-    "<small><b>Returns</b> to PyMeshLab the counts, " SPHEROSEG_SHORT_MEASURES
-    ", the times, and for each iteration the boundary edges, seconds and "
+    "<small><b>Returns</b> to PyMeshLab the counts, the measures of "
+    "<i>get_segmentation_measures</i>, <i>component_count</i>, "
+    "<i>best_max_triangle_count_difference</i>, <i>weight_imbalance</i>, <i>time_limit_hit</i>, "
+    "<i>used_cuda</i>, the times, and for each iteration the boundary edges, seconds and "
     "energy.</small><br>" SPHEROSEG_CITATION;
 
 const char* const kParametrizationHelp =

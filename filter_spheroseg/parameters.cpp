@@ -17,23 +17,8 @@ int default_submesh_count(int face_count) {
     return face_count > 0 ? requested_submesh_count(defaults, face_count) : 200;
 }
 
-void add_limits(RichParameterList& parameters, const SegmentOptions& defaults) {
-    parameters.addParam(RichInt("max_cohesion_iterations",
-                                defaults.max_cohesion_iterations,
-                                "Limit of cohesion iterations",
-                                "Stop the cohesion after so many iterations. 0: until converged."));
-    parameters.addParam(RichInt("max_refinement_iterations",
-                                defaults.max_refinement_iterations,
-                                "Limit of refinement iterations",
-                                "Stop the refinement after so many iterations. 0: until "
-                                "converged."));
-    parameters.addParam(RichFloat("time_limit_seconds",
-                                  Scalarm(defaults.time_limit_seconds),
-                                  "Time limit (seconds)",
-                                  "Stop improving after this time. The result is still valid and "
-                                  "balanced, and time_limit_hit says that it was cut short. 0: no "
-                                  "limit."));
-}
+// MeshLab shows these when asked to, so that the dialog fits the screen of a laptop.
+constexpr bool kAdvanced = true;
 
 void add_balance_and_start(RichParameterList& parameters, const SegmentOptions& defaults) {
     parameters.addParam(RichEnum("balance",
@@ -42,13 +27,15 @@ void add_balance_and_start(RichParameterList& parameters, const SegmentOptions& 
                                  "Balance",
                                  "'triangle_count': triangle counts differ by at most one. "
                                  "'weight': the heaviest sub-mesh is as near to the mean weight as "
-                                 "can be reached; method 'fast' only."));
+                                 "can be reached; method 'fast' only.",
+                                 kAdvanced));
     parameters.addParam(RichString("weight_attribute",
                                    "",
                                    "Weight attribute",
                                    "With the balance 'weight': name of a per-face custom scalar "
                                    "attribute with the weight of each face (0 or more). Empty: the "
-                                   "areas of the triangles."));
+                                   "areas of the triangles.",
+                                   kAdvanced));
     parameters.addParam(RichEnum("initial_labels",
                                  0,
                                  kInitialLabels,
@@ -56,7 +43,42 @@ void add_balance_and_start(RichParameterList& parameters, const SegmentOptions& 
                                  "'face_quality': repair, balance and refine the labels now in the "
                                  "face quality; the number of sub-meshes is that of the different "
                                  "labels, and the parameters for it are ignored. Method 'fast' "
-                                 "only."));
+                                 "only.",
+                                 kAdvanced));
+}
+
+void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& defaults) {
+    parameters.addParam(RichEnum("device",
+                                 static_cast<int>(defaults.device),
+                                 kDevices,
+                                 "Device",
+                                 "Where 'all_pairs' computes; 'fast' runs on the cores. 'auto': "
+                                 "the faster one that works. 'cuda' without a usable device is "
+                                 "an error that says why. The labels are the same.",
+                                 kAdvanced));
+    parameters.addParam(RichInt("thread_count",
+                                defaults.thread_count,
+                                "Threads",
+                                "Number of threads. 0: all cores.",
+                                kAdvanced));
+    parameters.addParam(RichInt("max_cohesion_iterations",
+                                defaults.max_cohesion_iterations,
+                                "Limit of cohesion iterations",
+                                "Stop the cohesion after so many iterations. 0: until converged.",
+                                kAdvanced));
+    parameters.addParam(RichInt("max_refinement_iterations",
+                                defaults.max_refinement_iterations,
+                                "Limit of refinement iterations",
+                                "Stop the refinement after so many iterations. 0: until "
+                                "converged.",
+                                kAdvanced));
+    parameters.addParam(RichFloat("time_limit_seconds",
+                                  Scalarm(defaults.time_limit_seconds),
+                                  "Time limit (seconds)",
+                                  "Stop improving after this time. The result is still valid and "
+                                  "balanced, and time_limit_hit says that it was cut short. 0: no "
+                                  "limit.",
+                                  kAdvanced));
 }
 
 } // namespace
@@ -86,26 +108,17 @@ RichParameterList segmentation_parameters(int face_count) {
                                  "Effort",
                                  "How long 'fast' refines the boundaries. Every effort gives the "
                                  "same guarantees."));
-    parameters.addParam(RichEnum("device",
-                                 static_cast<int>(defaults.device),
-                                 kDevices,
-                                 "Device",
-                                 "Where 'all_pairs' computes; 'fast' runs on the cores. 'auto': "
-                                 "the faster one that works. 'cuda' without a usable device is "
-                                 "an error that says why. The labels are the same."));
     parameters.addParam(RichInt("seed",
                                 static_cast<int>(defaults.seed),
                                 "Seed",
                                 "Same seed, same labels: on every run, for any number of "
                                 "threads."));
-    parameters.addParam(RichInt(
-        "thread_count", defaults.thread_count, "Threads", "Number of threads. 0: all cores."));
-    add_limits(parameters, defaults);
-    add_balance_and_start(parameters, defaults);
     parameters.addParam(RichBool("colorize",
                                  true,
                                  "Colour the faces",
                                  "Give neighbouring sub-meshes clearly different face colours."));
+    add_balance_and_start(parameters, defaults);
+    add_device_and_limits(parameters, defaults);
     return parameters;
 }
 

@@ -340,6 +340,11 @@ class FilterDialog:
         self._click(0.75, 50)
         self.screen.settle()
 
+    def toggle_advanced(self) -> None:
+        """Of the segmentation, by the arrow below the last parameter."""
+        self._click(0.5, 233)
+        self.screen.settle()
+
     def toggle_preview(self) -> None:
         self._click(0.03, 169)
         self.screen.settle()

@@ -65,6 +65,21 @@ def test_a_small_mesh_is_offered_fewer_submeshes(meshlab, small_mesh):
     assert 1 < int(dialog.field_text(SUBMESH_COUNT)) < 200
 
 
+def test_the_dialog_fits_a_laptop_and_shows_advanced_parameters_on_demand(meshlab, cow):
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    # 768 pixels less a panel of the desktop.
+    assert dialog.window.height <= 740
+    fields = len(dialog.text_fields())
+    dialog.move_aside()
+    dialog.toggle_advanced()
+    meshlab.screenshot("advanced")
+    # The list scrolls, so that Apply stays where it was.
+    assert len(dialog.text_fields()) > fields
+    assert dialog.window.height <= 740
+    assert "in 200 sub-meshes" in dialog.apply()
+
+
 def test_applying_colours_the_mesh_and_reports_to_the_log(meshlab, cow):
     meshlab.start(cow)
     before = vivid_colors(meshlab.canvas())
