@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "balance.h"
 
-#include "boundary.h"
 #include "random.h"
+#include "submesh_boundaries.h"
 
 #include <algorithm>
 
@@ -13,12 +13,8 @@ namespace {
 class Balancer {
 public:
     Balancer(Patchwork& patchwork, std::int64_t max_searches)
-        : patchwork_(patchwork), searches_left_(max_searches), faces_of_(patchwork.submesh_count()),
+        : patchwork_(patchwork), searches_left_(max_searches), boundaries_(patchwork),
           parent_(patchwork.submesh_count(), -1), arc_of_(patchwork.submesh_count(), -1) {
-        const BoundaryFaces boundary(patchwork, 1);
-        for (int f : boundary.faces()) {
-            faces_of_[patchwork.cells[f].label].push_back(f);
-        }
         floor_ = patchwork.face_count() / patchwork.submesh_count();
         ceiling_ = floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0);
     }
@@ -84,38 +80,22 @@ private:
     const std::vector<Arc>& arcs(int label, bool outward) {
         --searches_left_;
         arcs_.clear();
-        std::vector<int>& faces = faces_of_[label];
-        for (std::size_t i = 0; i < faces.size();) {
-            const int face = faces[i];
-            bool touches = false;
-            for (int c = 0; c < 3 && patchwork_.label(face) == label; ++c) {
-                const int across = patchwork_.label_across(patchwork_.cells[face], c);
-                if (across < 0 || across == label) {
-                    continue;
-                }
-                touches = true;
-                Move move;
-                int moving = face;
-                int corner = c;
-                if (!outward) {
-                    moving = patchwork_.cells[face].neighbor[c];
-                    const Cell& cell = patchwork_.cells[moving];
-                    corner = cell.neighbor[0] == face ? 0 : (cell.neighbor[1] == face ? 1 : 2);
-                }
-                const int at = arc_of_[across];
-                if (describe_single(patchwork_, moving, corner, move) &&
-                    (at < 0 || move.boundary_change < arcs_[at].move.boundary_change) &&
-                    single_is_allowed(patchwork_, moving, corner, move)) {
-                    keep_best(move, across);
-                }
+        boundaries_.for_each_side(label, [&](int face, int c, int across) {
+            Move move;
+            int moving = face;
+            int corner = c;
+            if (!outward) {
+                moving = patchwork_.cells[face].neighbor[c];
+                const Cell& cell = patchwork_.cells[moving];
+                corner = cell.neighbor[0] == face ? 0 : (cell.neighbor[1] == face ? 1 : 2);
             }
-            if (touches) {
-                ++i;
-            } else {
-                faces[i] = faces.back();
-                faces.pop_back();
+            const int at = arc_of_[across];
+            if (describe_single(patchwork_, moving, corner, move) &&
+                (at < 0 || move.boundary_change < arcs_[at].move.boundary_change) &&
+                single_is_allowed(patchwork_, moving, corner, move)) {
+                keep_best(move, across);
             }
-        }
+        });
         for (const Arc& arc : arcs_) {
             arc_of_[arc.label] = -1;
         }
@@ -180,7 +160,7 @@ private:
                 break;
             }
             const int to = ways.front().label;
-            commit(Move(ways.front().move));
+            boundaries_.commit(ways.front().move);
             at = to;
             const int load = patchwork_.load[at];
             if (load >= floor_ && load <= ceiling_) {
@@ -193,34 +173,16 @@ private:
     bool pass(int from, int to) {
         for (const Arc& arc : arcs(from, true)) {
             if (arc.label == to) {
-                commit(arc.move);
+                boundaries_.commit(arc.move);
                 return true;
             }
         }
         return false;
     }
 
-    void commit(const Move& move) {
-        apply(patchwork_, move);
-        const int face = move.faces[0];
-        list(face, move.to);
-        for (int neighbor : patchwork_.cells[face].neighbor) {
-            if (neighbor >= 0 && patchwork_.label(neighbor) == move.from) {
-                list(neighbor, move.from);
-            }
-        }
-    }
-
-    void list(int face, int label) {
-        std::vector<int>& faces = faces_of_[label];
-        if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
-            faces.push_back(face);
-        }
-    }
-
     Patchwork& patchwork_;
     std::int64_t searches_left_;
-    std::vector<std::vector<int>> faces_of_;
+    SubmeshBoundaries boundaries_;
     std::vector<int> parent_;
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;

@@ -64,21 +64,6 @@ private:
         return false;
     }
 
-    bool may_take(int face, int label) const {
-        if (patchwork_.load[label] == 0) {
-            return true;
-        }
-        int edges = 0;
-        int corner = 0;
-        for (int c = 0; c < 3; ++c) {
-            if (patchwork_.label_across(patchwork_.cells[face], c) == label) {
-                ++edges;
-                corner = c;
-            }
-        }
-        return edges > 0 && may_join(patchwork_, face, corner, label, edges);
-    }
-
     /// Adds faces to sub-mesh `label` until it has `size`, in every way: a face of the frontier
     /// either joins now, or stays out of this sub-mesh.
     bool grow(int label, int size, std::vector<int> frontier, std::vector<int> excluded) {
@@ -97,7 +82,7 @@ private:
                 });
             const int face = *next;
             frontier.erase(next);
-            if (may_take(face, label)) {
+            if (patchwork_.load[label] == 0 || may_join(patchwork_, face, label)) {
                 patchwork_.cells[face].label = label;
                 ++patchwork_.load[label];
                 std::vector<int> wider = frontier;

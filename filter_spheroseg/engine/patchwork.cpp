@@ -4,8 +4,21 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace spheroseg {
+
+bool may_join(const Patchwork& patchwork, int face, int to) {
+    int edges = 0;
+    int corner = 0;
+    for (int c = 0; c < 3; ++c) {
+        if (patchwork.label_across(patchwork.cells[face], c) == to) {
+            ++edges;
+            corner = c;
+        }
+    }
+    return edges >= 2 || (edges == 1 && no_label_around(patchwork, face, kPrevious[corner], to));
+}
 
 bool describe_single(const Patchwork& patchwork, int face, int corner, Move& move) {
     const Cell& cell = patchwork.cells[face];
@@ -122,6 +135,11 @@ void apply(Patchwork& patchwork, const Move& move) {
     }
     patchwork.load[move.from] -= move.weight;
     patchwork.load[move.to] += move.weight;
+}
+
+double mean_load(const Patchwork& patchwork) {
+    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
+    return total / patchwork.submesh_count();
 }
 
 std::vector<int> labels_of(const Patchwork& patchwork) {

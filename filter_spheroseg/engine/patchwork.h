@@ -126,11 +126,9 @@ struct Move {
     int weight = 0;
 };
 
-/// Would a face that touches sub-mesh `to` by `to_edges` edges (the last one at `corner`) join it
-/// without a bowtie?
-inline bool may_join(const Patchwork& patchwork, int face, int corner, int to, int to_edges) {
-    return to_edges >= 2 || no_label_around(patchwork, face, kPrevious[corner], to);
-}
+/// Does a face that is in no sub-mesh touch sub-mesh `to` by an edge, and would it join it without
+/// a bowtie?
+bool may_join(const Patchwork& patchwork, int face, int to);
 
 /// Describes the move of `face` across its edge at `corner`. False when there is nothing to move:
 /// the same label or none on the other side, or the last face of its sub-mesh.
@@ -152,6 +150,9 @@ bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan);
 
 /// Relabels the faces of the move and keeps `load` up to date.
 void apply(Patchwork& patchwork, const Move& move);
+
+/// The load that all sub-meshes would have if they were balanced.
+double mean_load(const Patchwork& patchwork);
 
 /// Labels of a finished patchwork, in face order.
 std::vector<int> labels_of(const Patchwork& patchwork);

@@ -99,25 +99,13 @@ private:
         patchwork_.load[label] += patchwork_.cells[face].weight;
     }
 
-    bool may_take(int face, int label) const {
-        int edges = 0;
-        int corner = 0;
-        for (int c = 0; c < 3; ++c) {
-            if (patchwork_.label_across(patchwork_.cells[face], c) == label) {
-                ++edges;
-                corner = c;
-            }
-        }
-        return edges > 0 && may_join(patchwork_, face, corner, label, edges);
-    }
-
     void grow_core(int seed, int label) {
         queue_.assign(1, seed);
         take(seed, label);
         for (std::size_t head = 0; head < queue_.size(); ++head) {
             for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
                 if (neighbor >= 0 && patchwork_.cells[neighbor].label == candidate(label) &&
-                    may_take(neighbor, label)) {
+                    may_join(patchwork_, neighbor, label)) {
                     take(neighbor, label);
                     queue_.push_back(neighbor);
                 }
@@ -197,7 +185,7 @@ private:
             int best = -1;
             for (int c = 0; c < 3; ++c) {
                 const int label = patchwork_.label_across(patchwork_.cells[face], c);
-                if (label >= 0 && label != best && may_take(face, label) &&
+                if (label >= 0 && label != best && may_join(patchwork_, face, label) &&
                     (best < 0 || patchwork_.load[label] < patchwork_.load[best])) {
                     best = label;
                 }

@@ -48,11 +48,6 @@ void sum_loads(Patchwork& patchwork) {
     }
 }
 
-double mean_load(const Patchwork& patchwork) {
-    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
-    return total / patchwork.submesh_count();
-}
-
 bool is_even(const Patchwork& patchwork) {
     const double mean = mean_load(patchwork);
     return std::all_of(patchwork.load.begin(), patchwork.load.end(), [&](int load) {

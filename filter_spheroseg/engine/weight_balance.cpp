@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "weight_balance.h"
 
-#include "boundary.h"
 #include "random.h"
+#include "submesh_boundaries.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace spheroseg {
 
@@ -21,13 +20,12 @@ struct Passage {
 class LoadLowering {
 public:
     LoadLowering(Patchwork& patchwork, int limit)
-        : patchwork_(patchwork), limit_(limit), faces_of_(patchwork.submesh_count()),
+        : patchwork_(patchwork), limit_(limit), boundaries_(patchwork),
           inflow_(patchwork.submesh_count(), -1), came_by_(patchwork.submesh_count()) {
-        const BoundaryFaces boundary(patchwork, 1);
-        for (int f : boundary.faces()) {
-            faces_of_[patchwork.cells[f].label].push_back(f);
+        work_left_ = kMinWork;
+        for (int l = 0; l < patchwork.submesh_count(); ++l) {
+            work_left_ += kWorkPerFace * boundaries_.listed_count(l);
         }
-        work_left_ = kMinWork + kWorkPerFace * static_cast<std::int64_t>(boundary.faces().size());
     }
 
     bool run() {
@@ -38,7 +36,7 @@ public:
                 return true;
             }
             for (int label : heavy) {
-                int tries = static_cast<int>(faces_of_[label].size()) + kExtraTries;
+                int tries = boundaries_.listed_count(label) + kExtraTries;
                 while (patchwork_.load[label] > limit_ && tries-- > 0 && work_left_ > 0 &&
                        relieve(label)) {
                 }
@@ -74,30 +72,14 @@ private:
     /// The allowed moves of single faces out of a sub-mesh, in random order.
     void find_passages(int label) {
         passages_.clear();
-        std::vector<int>& faces = faces_of_[label];
-        work_left_ -= static_cast<std::int64_t>(faces.size());
-        for (std::size_t i = 0; i < faces.size();) {
-            const int face = faces[i];
-            bool touches = false;
-            for (int c = 0; c < 3 && patchwork_.label(face) == label; ++c) {
-                const int across = patchwork_.label_across(patchwork_.cells[face], c);
-                if (across < 0 || across == label) {
-                    continue;
-                }
-                touches = true;
-                Passage passage{face, c, {}};
-                if (describe_single(patchwork_, face, c, passage.move) &&
-                    single_is_allowed(patchwork_, face, c, passage.move)) {
-                    passages_.push_back(passage);
-                }
+        work_left_ -= boundaries_.listed_count(label);
+        boundaries_.for_each_side(label, [&](int face, int corner, int) {
+            Passage passage{face, corner, {}};
+            if (describe_single(patchwork_, face, corner, passage.move) &&
+                single_is_allowed(patchwork_, face, corner, passage.move)) {
+                passages_.push_back(passage);
             }
-            if (touches) {
-                ++i;
-            } else {
-                faces[i] = faces.back();
-                faces.pop_back();
-            }
-        }
+        });
         if (passages_.size() > 1) {
             std::rotate(passages_.begin(),
                         passages_.begin() +
@@ -175,7 +157,7 @@ private:
                 !single_is_allowed(patchwork_, passage.face, passage.corner, move)) {
                 return relieved;
             }
-            commit(move);
+            boundaries_.commit(move);
             relieved = true;
             if (move.from == start) {
                 return true;
@@ -184,28 +166,10 @@ private:
         }
     }
 
-    void commit(const Move& move) {
-        apply(patchwork_, move);
-        const int face = move.faces[0];
-        list(face, move.to);
-        for (int neighbor : patchwork_.cells[face].neighbor) {
-            if (neighbor >= 0 && patchwork_.label(neighbor) == move.from) {
-                list(neighbor, move.from);
-            }
-        }
-    }
-
-    void list(int face, int label) {
-        std::vector<int>& faces = faces_of_[label];
-        if (std::find(faces.begin(), faces.end(), face) == faces.end()) {
-            faces.push_back(face);
-        }
-    }
-
     Patchwork& patchwork_;
     const int limit_;
     std::int64_t work_left_ = 0;
-    std::vector<std::vector<int>> faces_of_;
+    SubmeshBoundaries boundaries_;
     /// -1: not reached.
     std::vector<int> inflow_;
     std::vector<Passage> came_by_;
@@ -219,11 +183,6 @@ constexpr double kSteps[] = {0.03, 0.01, 0.003, 0.001};
 constexpr int kStepCount = 4;
 constexpr int kShakes = 1;
 constexpr int kHalvings = 2;
-
-double mean_load(const Patchwork& patchwork) {
-    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
-    return total / patchwork.submesh_count();
-}
 
 /// The descent of balance_by_weight.
 class WeightBalance {
