@@ -7,7 +7,7 @@ PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
 GUI_ROOT := $(or $(SPHEROSEG_GUI_ROOT),$(CURDIR)/.cache/meshlab-root)
 CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp' 'filter_spheroseg/*.cu' \
-	'filter_spheroseg/*.cuh' 'tests/*.h' 'tests/*.cpp')
+	'filter_spheroseg/*.cuh' 'tests/*.h' 'tests/*.cpp' 'tools/*.h' 'tools/*.cpp')
 export PYTHONPATH := $(CURDIR)/python
 
 help:

@@ -6,6 +6,8 @@
 #include "segment.h"
 #include "threads.h"
 
+#include "../tests/engine/test_solids.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -39,63 +41,13 @@ struct Settings {
     std::vector<std::string> meshes;
 };
 
-TriangleMesh subdivided(const TriangleMesh& mesh) {
-    TriangleMesh finer;
-    finer.positions = mesh.positions;
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-        const auto [found, is_new] =
-            middles.try_emplace(std::minmax(a, b), static_cast<int>(finer.positions.size()));
-        if (is_new) {
-            const Vec3 sum = mesh.positions[a] + mesh.positions[b];
-            finer.positions.push_back(sum * (1.0 / length(sum)));
-        }
-        return found->second;
-    };
-    for (const Triangle& t : mesh.faces) {
-        const int ab = middle(t[0], t[1]);
-        const int bc = middle(t[1], t[2]);
-        const int ca = middle(t[2], t[0]);
-        finer.faces.insert(finer.faces.end(),
-                           {{t[0], ab, ca}, {t[1], bc, ab}, {t[2], ca, bc}, {ab, bc, ca}});
-    }
-    return finer;
-}
-
-TriangleMesh icosphere(int level) {
-    const double p = (1.0 + std::sqrt(5.0)) / 2.0;
-    TriangleMesh mesh;
-    mesh.positions = {{-1, p, 0},
-                      {1, p, 0},
-                      {-1, -p, 0},
-                      {1, -p, 0},
-                      {0, -1, p},
-                      {0, 1, p},
-                      {0, -1, -p},
-                      {0, 1, -p},
-                      {p, 0, -1},
-                      {p, 0, 1},
-                      {-p, 0, -1},
-                      {-p, 0, 1}};
-    for (Vec3& position : mesh.positions) {
-        position = position * (1.0 / length(position));
-    }
-    mesh.faces = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
-                  {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                  {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
-                  {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
-    for (int i = 0; i < level; ++i) {
-        mesh = subdivided(mesh);
-    }
-    return mesh;
-}
-
 TriangleMesh make_mesh(const std::string& name) {
     const bool bumpy = name.rfind("bumpy:", 0) == 0;
     if (!bumpy && name.rfind("sphere:", 0) != 0) {
         return MeshFile::read(name);
     }
-    TriangleMesh mesh = icosphere(std::clamp(std::atoi(name.c_str() + name.find(':') + 1), 0, 9));
+    TriangleMesh mesh =
+        test::icosphere(std::clamp(std::atoi(name.c_str() + name.find(':') + 1), 0, 9));
     for (Vec3& p : mesh.positions) {
         p = bumpy ? p * (1.0 + 0.25 * std::sin(7 * p.x) * std::sin(5 * p.y + 2 * p.z)) : p;
     }

@@ -3,13 +3,12 @@
 
 #include "random.h"
 
+#include "../fuzz/recount.h"
 #include "test_meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 namespace spheroseg {
 namespace {
@@ -66,14 +65,6 @@ TriangleMesh turned_at_random(TriangleMesh mesh, std::uint64_t seed) {
     return mesh;
 }
 
-void append(TriangleMesh& mesh, const TriangleMesh& other) {
-    const int first = mesh.vertex_count();
-    mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
-    for (const Triangle& face : other.faces) {
-        mesh.faces.push_back({face[0] + first, face[1] + first, face[2] + first});
-    }
-}
-
 /// Spheres in a row, each sharing one vertex with the next one.
 TriangleMesh pinched_spheres(int count, int level) {
     TriangleMesh mesh = icosphere(level);
@@ -100,118 +91,22 @@ TriangleMesh open_fan(int valence) {
     return mesh;
 }
 
-/// Judges a labelling from vertices and edges alone, without the dual graph of the engine.
-struct Judgement {
-    int least = 1 << 30;
-    int most = 0;
-    int pieces_too_many = 0;
-    int bowties = 0;
-    int boundary_edges = 0;
-};
+/// A triangle with a triangle on each side. It can be cut into a piece of one to three faces and
+/// the rest, or one face each, but not into halves: two of two faces can not both be connected.
+TriangleMesh branch() {
+    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
+            {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
+}
 
-class Judge {
-public:
-    Judge(const TriangleMesh& mesh, const std::vector<int>& labels) : mesh_(mesh), labels_(labels) {
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            for (int c = 0; c < 3; ++c) {
-                faces_of_edge_[edge(f, c)].push_back(f);
-            }
-        }
+/// What `segment` says when it refuses a mesh.
+std::string refusal(PreparedMesh& prepared, const SegmentOptions& options) {
+    try {
+        segment(prepared, options);
+    } catch (const InvalidInput& error) {
+        return error.what();
     }
-
-    Judgement run(int submesh_count) {
-        Judgement result;
-        std::vector<int> counts(submesh_count, 0);
-        for (int label : labels_) {
-            ++counts[label];
-        }
-        result.least = *std::min_element(counts.begin(), counts.end());
-        result.most = *std::max_element(counts.begin(), counts.end());
-        for (const auto& [edge, faces] : faces_of_edge_) {
-            result.boundary_edges += faces.size() == 2 && labels_[faces[0]] != labels_[faces[1]];
-        }
-        std::vector<int> all(mesh_.face_count());
-        for (int f = 0; f < mesh_.face_count(); ++f) {
-            all[f] = f;
-        }
-        result.pieces_too_many = count_pieces(all, true, -1) - submesh_count;
-        std::map<int, std::vector<int>> faces_of_vertex;
-        for (int f = 0; f < mesh_.face_count(); ++f) {
-            for (int v : mesh_.faces[f]) {
-                faces_of_vertex[v].push_back(f);
-            }
-        }
-        for (const auto& [v, faces] : faces_of_vertex) {
-            result.bowties += bowties_at(v, faces);
-        }
-        return result;
-    }
-
-private:
-    using Edge = std::pair<int, int>;
-
-    Edge edge(int f, int c) const {
-        return std::minmax({mesh_.faces[f][c], mesh_.faces[f][(c + 1) % 3]});
-    }
-
-    /// Fans of sub-meshes, less the different labels in each fan of the whole mesh.
-    int bowties_at(int v, const std::vector<int>& faces) {
-        const int fans = count_pieces(faces, true, v);
-        std::vector<int> fan_of = pieces(faces, false, v);
-        std::set<std::pair<int, int>> labels;
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-            labels.insert({fan_of[i], labels_[faces[i]]});
-        }
-        return fans - static_cast<int>(labels.size());
-    }
-
-    int count_pieces(const std::vector<int>& faces, bool by_label, int around) {
-        const std::vector<int> piece_of = pieces(faces, by_label, around);
-        return piece_of.empty() ? 0 : 1 + *std::max_element(piece_of.begin(), piece_of.end());
-    }
-
-    /// Pieces of faces joined by edges (that hold the vertex `around`, unless that is -1).
-    std::vector<int> pieces(const std::vector<int>& faces, bool by_label, int around) {
-        std::map<int, int> place;
-        for (std::size_t i = 0; i < faces.size(); ++i) {
-            place[faces[i]] = static_cast<int>(i);
-        }
-        std::vector<int> piece_of(faces.size(), -1);
-        int count = 0;
-        for (std::size_t start = 0; start < faces.size(); ++start) {
-            if (piece_of[start] >= 0) {
-                continue;
-            }
-            std::vector<int> stack(1, static_cast<int>(start));
-            piece_of[start] = count;
-            while (!stack.empty()) {
-                const int f = faces[stack.back()];
-                stack.pop_back();
-                for (int c = 0; c < 3; ++c) {
-                    const Edge e = edge(f, c);
-                    const std::vector<int>& both = faces_of_edge_[e];
-                    if (both.size() != 2 ||
-                        (around >= 0 && e.first != around && e.second != around)) {
-                        continue;
-                    }
-                    const int g = both[0] == f ? both[1] : both[0];
-                    const auto found = place.find(g);
-                    if (found != place.end() && piece_of[found->second] < 0 &&
-                        (!by_label || labels_[f] == labels_[g])) {
-                        piece_of[found->second] = count;
-                        stack.push_back(found->second);
-                    }
-                }
-            }
-            ++count;
-        }
-        return piece_of;
-    }
-
-    const TriangleMesh& mesh_;
-    const std::vector<int>& labels_;
-    std::map<Edge, std::vector<int>> faces_of_edge_;
-};
+    return "nothing was refused";
+}
 
 struct GeneralMesh {
     const char* name;
@@ -243,6 +138,7 @@ std::vector<GeneralMesh> general_meshes() {
 TEST(General, EveryKindIsCutIntoValidSubmeshes) {
     for (const auto& [name, mesh] : general_meshes()) {
         PreparedMesh prepared(mesh, 2);
+        const fuzz::Surface surface(mesh);
         for (int k : {2, 7, 50, mesh.face_count() / 64, mesh.face_count() / 7}) {
             if (k < std::max(1, prepared.report().component_count)) {
                 continue;
@@ -252,14 +148,15 @@ TEST(General, EveryKindIsCutIntoValidSubmeshes) {
                 options.submesh_count = k;
                 options.effort = effort;
                 const Segmentation result = segment(prepared, options);
-                const Judgement judged = Judge(mesh, result.labels).run(k);
+                const fuzz::Recount recount = surface.recount(result.labels, k);
                 SCOPED_TRACE(std::string(name) + ", k = " + std::to_string(k));
-                EXPECT_EQ(judged.most - judged.least, result.best_max_triangle_count_difference);
-                EXPECT_GE(judged.least, 1);
-                EXPECT_EQ(judged.pieces_too_many, 0);
-                EXPECT_EQ(judged.bowties, 0);
+                EXPECT_EQ(recount.max_triangle_count_difference,
+                          result.best_max_triangle_count_difference);
+                EXPECT_EQ(recount.empty_submesh_count, 0);
+                EXPECT_EQ(recount.disconnected_submesh_count, 0);
+                EXPECT_EQ(recount.bowtie_count, 0);
                 EXPECT_TRUE(result.is_valid());
-                EXPECT_EQ(judged.boundary_edges, result.measures.boundary_edge_count);
+                EXPECT_EQ(recount.boundary_edge_count, result.measures.boundary_edge_count);
                 EXPECT_EQ(result.component_count, prepared.report().component_count);
             }
         }
@@ -283,7 +180,7 @@ TEST(General, LabelsDoNotDependOnThreads) {
     }
 }
 
-TEST(General, MeasuresAgreeWithTheJudgeOnRandomLabels) {
+TEST(General, MeasuresAgreeWithTheRecountOfRandomLabels) {
     Random random(9);
     for (const auto& [name, mesh] : general_meshes()) {
         std::vector<int> labels(mesh.face_count());
@@ -291,9 +188,9 @@ TEST(General, MeasuresAgreeWithTheJudgeOnRandomLabels) {
             label = static_cast<int>(random.below(5));
         }
         const Measures measures = measure(mesh, build_dual_graph(mesh), labels, 5);
-        const Judgement judged = Judge(mesh, labels).run(5);
-        EXPECT_EQ(measures.bowtie_count, judged.bowties) << name;
-        EXPECT_EQ(measures.boundary_edge_count, judged.boundary_edges) << name;
+        const fuzz::Recount recount = fuzz::Surface(mesh).recount(labels, 5);
+        EXPECT_EQ(measures.bowtie_count, recount.bowtie_count) << name;
+        EXPECT_EQ(measures.boundary_edge_count, recount.boundary_edge_count) << name;
     }
 }
 
@@ -322,15 +219,10 @@ TEST(General, MoreComponentsThanSubmeshesAreRefused) {
     PreparedMesh prepared(spheres);
     SegmentOptions options;
     options.submesh_count = 4;
-    try {
-        segment(prepared, options);
-        FAIL();
-    } catch (const InvalidInput& error) {
-        const std::string message = error.what();
-        EXPECT_NE(message.find("5 components"), std::string::npos) << message;
-        EXPECT_NE(message.find("(4)"), std::string::npos) << message;
-        EXPECT_NE(message.find("\"Merge Close Vertices\""), std::string::npos) << message;
-        EXPECT_NE(message.find("\"Remove Isolated pieces"), std::string::npos) << message;
+    const std::string message = refusal(prepared, options);
+    for (const char* part :
+         {"5 components", "(4)", "\"Merge Close Vertices\"", "\"Remove Isolated pieces"}) {
+        EXPECT_NE(message.find(part), std::string::npos) << message;
     }
     options.submesh_count = 5;
     EXPECT_EQ(segment(prepared, options).measures.boundary_edge_count, 0);
@@ -344,21 +236,13 @@ TEST(General, ASoupIsNamed) {
     PreparedMesh prepared(soup);
     SegmentOptions options;
     options.submesh_count = 10;
-    try {
-        segment(prepared, options);
-        FAIL();
-    } catch (const InvalidInput& error) {
-        EXPECT_NE(std::string(error.what()).find("triangle soup"), std::string::npos);
-    }
+    EXPECT_NE(refusal(prepared, options).find("triangle soup"), std::string::npos);
     options.submesh_count = 30;
     EXPECT_TRUE(segment(prepared, options).is_valid());
 }
 
 TEST(General, WhatCanNotBeBalancedIsMeasuredTruthfully) {
-    // A triangle with a triangle on each side: two halves of two faces can not both be connected.
-    const TriangleMesh star = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
-                               {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
-    PreparedMesh prepared(star);
+    PreparedMesh prepared(branch());
     SegmentOptions options;
     options.submesh_count = 2;
     const Segmentation result = segment(prepared, options);
@@ -369,23 +253,21 @@ TEST(General, WhatCanNotBeBalancedIsMeasuredTruthfully) {
 }
 
 TEST(General, SharesThatABranchCanNotTakeAreChanged) {
-    // A triangle with a triangle on each side can be cut into a piece of one to three faces and the
-    // rest, or one face each, but not into halves; a strip of eight faces takes any share.
-    TriangleMesh mesh = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}},
-                         {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 5}}};
+    TriangleMesh mesh = branch();
+    // A strip of eight faces takes any share.
     append(mesh, band(4, 1, Wrap::none, false));
     PreparedMesh prepared(mesh);
+    const fuzz::Surface surface(mesh);
     for (int k = 2; k <= 12; ++k) {
         SegmentOptions options;
         options.submesh_count = k;
         const Segmentation result = segment(prepared, options);
-        const Judgement judged = Judge(mesh, result.labels).run(k);
-        EXPECT_EQ(judged.pieces_too_many, 0) << k;
-        EXPECT_EQ(judged.bowties, 0) << k;
+        const fuzz::Recount recount = surface.recount(result.labels, k);
+        EXPECT_TRUE(recount.is_whole()) << k;
         // By size alone 5 parts could have 2 or 3 faces each and 6 parts 2, but the branch would
         // have to be halved: it is left whole or cut into 3 and 1, which differ by two at least.
         const int impossible = k == 5 ? 1 : k == 6 ? 2 : 0;
-        EXPECT_EQ(judged.most - judged.least,
+        EXPECT_EQ(recount.max_triangle_count_difference,
                   result.best_max_triangle_count_difference + impossible)
             << k;
     }

@@ -226,11 +226,7 @@ TEST(Hierarchy, StopsOnATorusUnderTheLinkCondition) {
 TEST(Hierarchy, LeavesATetrahedronOfEachComponent) {
     TriangleMesh mesh;
     for (const auto& [name, part] : test::genus_zero_meshes()) {
-        const int offset = mesh.vertex_count();
-        mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-        for (const Triangle& t : part.faces) {
-            mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-        }
+        test::append(mesh, part);
     }
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     EXPECT_EQ(hierarchy.base_faces.size(), 4 * test::genus_zero_meshes().size());

@@ -191,11 +191,7 @@ TEST(Segment, BadOptionsAreErrorsAndALaterCallWorks) {
 
 TEST(Segment, MeshesThatAreNotClosedGenusZeroAreErrors) {
     TriangleMesh two = tetrahedron();
-    const TriangleMesh other = tetrahedron();
-    for (const Triangle& face : other.faces) {
-        two.faces.push_back({face[0] + 4, face[1] + 4, face[2] + 4});
-    }
-    two.positions.insert(two.positions.end(), other.positions.begin(), other.positions.end());
+    append(two, tetrahedron());
     const std::vector<std::pair<TriangleMesh, std::string>> cases = {
         {{}, "no faces"},
         {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, "open border"},

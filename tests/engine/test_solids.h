@@ -93,4 +93,13 @@ inline TriangleMesh icosphere(int level) {
     return mesh;
 }
 
+/// Puts a mesh beside another one, as components of their own.
+inline void append(TriangleMesh& mesh, const TriangleMesh& other) {
+    const int offset = mesh.vertex_count();
+    mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
+    for (const Triangle& t : other.faces) {
+        mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+    }
+}
+
 } // namespace spheroseg::test

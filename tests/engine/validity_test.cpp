@@ -25,17 +25,6 @@ void expect_defect(const MeshReport& report, const std::string& found, const std
     EXPECT_NE(message.find(cure), std::string::npos) << message;
 }
 
-/// Adds a copy of `other`, moved along x.
-void append(TriangleMesh& mesh, const TriangleMesh& other) {
-    const int offset = mesh.vertex_count();
-    for (const Vec3& p : other.positions) {
-        mesh.positions.push_back(p + Vec3{5, 0, 0});
-    }
-    for (const Triangle& t : other.faces) {
-        mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-    }
-}
-
 TEST(Validity, ClosedGenusZeroMeshesPass) {
     for (const auto& [name, mesh] : genus_zero_meshes()) {
         SCOPED_TRACE(name);

@@ -153,13 +153,7 @@ TEST(WarmStart, HostileLabelsOnEveryMeshBecomeValid) {
 TEST(WarmStart, OpenMeshesHandlesAndComponentsToo) {
     TriangleMesh three = displaced_sphere(2);
     for (const TriangleMesh& other : {open_grid(10), torus(10, 6)}) {
-        const int offset = three.vertex_count();
-        for (const Vec3& p : other.positions) {
-            three.positions.push_back(p + Vec3{20.0 * offset, 0, 0});
-        }
-        for (const Triangle& t : other.faces) {
-            three.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-        }
+        append(three, other);
     }
     for (const TriangleMesh& mesh : {open_grid(20), torus(20, 12), three}) {
         PreparedMesh prepared(mesh, 1);

@@ -289,14 +289,7 @@ TEST(WeightBalance, ComponentsShareSubmeshesByWeight) {
     // Two equal spheres, the second three times as heavy: 10 and 30 of 40 sub-meshes.
     TriangleMesh mesh = displaced_sphere(3);
     const int half = mesh.face_count();
-    const int vertex_count = mesh.vertex_count();
-    for (int v = 0; v < vertex_count; ++v) {
-        mesh.positions.push_back(mesh.positions[v] + Vec3{10, 0, 0});
-    }
-    for (int f = 0; f < half; ++f) {
-        const Triangle t = mesh.faces[f];
-        mesh.faces.push_back({t[0] + vertex_count, t[1] + vertex_count, t[2] + vertex_count});
-    }
+    append(mesh, displaced_sphere(3));
     std::vector<double> weights(2 * half, 1.0);
     std::fill(weights.begin() + half, weights.end(), 3.0);
     PreparedMesh prepared(mesh, 1);

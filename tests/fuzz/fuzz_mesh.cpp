@@ -129,14 +129,6 @@ TriangleMesh shape(ByteReader& bytes) {
     }
 }
 
-void append(TriangleMesh& mesh, const TriangleMesh& other) {
-    const int offset = mesh.vertex_count();
-    mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
-    for (const Triangle& t : other.faces) {
-        mesh.faces.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-    }
-}
-
 void replace_vertex(TriangleMesh& mesh, int from, int to) {
     for (Triangle& t : mesh.faces) {
         std::replace(t.begin(), t.end(), from, to);
@@ -191,7 +183,7 @@ void spoil_vertex(TriangleMesh& mesh, int vertex, int how) {
 void change(TriangleMesh& mesh, ByteReader& bytes) {
     const int kind = bytes.below(20);
     if (mesh.faces.empty() || kind < 2) {
-        append(mesh, shape(bytes));
+        test::append(mesh, shape(bytes));
         return;
     }
     const int face = bytes.below(mesh.face_count());
