@@ -74,7 +74,7 @@ def main() -> int:
 
 
 def print_facts(seeds: int) -> None:
-    facts = environment.describe("scripts/general_meshes.py", 0)
+    facts = environment.surroundings()
     shown = ("commit", "pymetis", "processor", "cores", "system")
     print(", ".join(f"{name} {facts[name]}" for name in shown if name in facts), end="")
     print(f"; medians of seeds 1 to {seeds}\n")

@@ -14,28 +14,20 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-import numpy as np
 import pymeshlab
-from reproduce import BUILD, build_tools
+from reproduce import BUILD, build_tools, write_raw_mesh
 
 
-def write_raw(name: str, raw_path: Path) -> None:
-    path, _, times = name.partition("*")
+def write_subdivided(path: str, times: int, raw_path: Path) -> None:
     mesh_set = pymeshlab.MeshSet(verbose=False)
     mesh_set.load_new_mesh(path)
     level = 1
-    while times and level < int(times):
+    while level < times:
         mesh_set.meshing_surface_subdivision_midpoint(
             iterations=1, threshold=pymeshlab.PercentageValue(0)
         )
         level *= 4
-    mesh = mesh_set.current_mesh()
-    vertices = mesh.vertex_matrix().astype(np.float64)
-    faces = mesh.face_matrix().astype(np.int32)
-    with raw_path.open("wb") as file:
-        np.array([len(vertices), len(faces)], np.int32).tofile(file)
-        vertices.tofile(file)
-        faces.tofile(file)
+    write_raw_mesh(mesh_set.current_mesh(), raw_path)
 
 
 def main() -> int:
@@ -50,7 +42,7 @@ def main() -> int:
         for name in arguments.meshes:
             path, _, times = name.partition("*")
             raw = Path(folder) / f"{Path(path).stem}{'_x' + times if times else ''}.raw"
-            write_raw(name, raw)
+            write_subdivided(path, int(times or 1), raw)
             command = [str(BUILD / "tools" / "map_quality"), str(arguments.threads), str(raw)]
             subprocess.run(command, check=True)
     return 0

@@ -53,7 +53,10 @@ def mesh_paths(directory: Path) -> dict[str, Path]:
 def write_raw(mesh_path: Path, raw_path: Path) -> None:
     mesh_set = pymeshlab.MeshSet()
     mesh_set.load_new_mesh(str(mesh_path))
-    mesh = mesh_set.current_mesh()
+    write_raw_mesh(mesh_set.current_mesh(), raw_path)
+
+
+def write_raw_mesh(mesh: pymeshlab.Mesh, raw_path: Path) -> None:
     counts = np.array([mesh.vertex_number(), mesh.face_number()], dtype=np.int32)
     vertices = mesh.vertex_matrix().astype(np.float64)
     faces = mesh.face_matrix().astype(np.int32)

@@ -86,10 +86,9 @@ def segment(
     face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
     takes the areas. initial_labels: (F,) whole numbers, 0 or more: repaired, balanced and refined
     instead of a new start; k is then the number of different ones.
-    options: triangles_per_submesh (k = ceil(F / value) instead), balance, weight_attribute, method,
-    effort, device, seed,
-    thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds; names,
-    meanings and defaults are those of the filter.
+    options: triangles_per_submesh (k = ceil(F / value) instead), balance, method, effort, device,
+    seed, thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds;
+    names, meanings and defaults are those of the filter.
 
     The same seed gives the same labels for any thread_count. The mesh is not changed, and faces
     keep their order. Raises InputError when the mesh or an option can not be used.
@@ -117,7 +116,8 @@ def parametrize(vertices: ArrayLike, faces: ArrayLike) -> Parametrization:
 
     Raises InputError when the mesh can not be used.
     """
-    mesh_set = _mesh_set(as_vertices(vertices), faces)
+    vertices = as_vertices(vertices)
+    mesh_set = _mesh_set(vertices, as_faces(faces, len(vertices)))
     measures = run_filter(mesh_set, PARAMETRIZE_FILTER)
     return Parametrization(sphere_positions(mesh_set), measures)
 
@@ -215,9 +215,9 @@ def _checked_option(name: str, value: Any, kind: type | tuple[str, ...]) -> Any:
     return int(value)
 
 
-def _mesh_set(vertices: np.ndarray, faces: ArrayLike) -> pymeshlab.MeshSet:
+def _mesh_set(vertices: np.ndarray, faces: np.ndarray) -> pymeshlab.MeshSet:
     mesh_set = pymeshlab.MeshSet()
-    mesh_set.add_mesh(pymeshlab.Mesh(vertices, as_faces(faces, len(vertices))))
+    mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces))
     return mesh_set
 
 

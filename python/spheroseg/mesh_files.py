@@ -102,6 +102,15 @@ def save_bare_ply(vertices: np.ndarray, faces: np.ndarray, path: str | os.PathLi
 
 def read_labels(path: str | os.PathLike) -> np.ndarray:
     """Labels from a .npy file, or from a .txt file with one number per line."""
+    return _read_numbers(path, "labels")
+
+
+def read_weights(path: str | os.PathLike) -> np.ndarray:
+    """Weights from the same kinds of files."""
+    return _read_numbers(path, "weights")
+
+
+def _read_numbers(path: str | os.PathLike, name: str) -> np.ndarray:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
@@ -112,15 +121,15 @@ def read_labels(path: str | os.PathLike) -> np.ndarray:
                 return _read_npy(path)
             return np.loadtxt(path, dtype=np.float64, ndmin=1)
     except (ValueError, EOFError, OverflowError, Warning) as error:
-        raise InputError(f"{path}: is no file of labels: {error}") from None
+        raise InputError(f"{path}: is no file of {name}: {error}") from None
 
 
 def _read_npy(path: Path) -> np.ndarray:
     # Mapped into memory, so that a header that declares more than there is costs no memory.
-    labels = np.load(path, mmap_mode="r", allow_pickle=False)
-    if not isinstance(labels, np.ndarray):
+    numbers = np.load(path, mmap_mode="r", allow_pickle=False)
+    if not isinstance(numbers, np.ndarray):
         raise ValueError("it holds several arrays (.npz); one is expected")
-    return np.array(labels)
+    return np.array(numbers)
 
 
 def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:

@@ -10,7 +10,7 @@ from screen import vivid_colors, wait_until
 
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
 MEASURES = "Segmentation Measures (SpheroSeg)"
-SUBMESH_COUNT, TRIANGLES_PER_SUBMESH, SEED, THREADS = range(4)
+SUBMESH_COUNT, TRIANGLES_PER_SUBMESH, SEED = range(3)
 FAILURE = "Filter Failure"
 APPLIED = f"Applied filter: {SEGMENTATION}"
 

@@ -40,11 +40,6 @@ def edge_pairs(faces):
     return np.stack([order[0::2] // 3, order[1::2] // 3], axis=1)
 
 
-def flipped_count(faces, positions):
-    """Triangles on the sphere that are not counter-clockwise seen from outside."""
-    return int((np.linalg.det(positions[faces]) <= 0).sum())
-
-
 def mesh_count(mesh_set):
     # PyMeshLab 2022.2 has the older name.
     return (getattr(mesh_set, "mesh_number", None) or mesh_set.number_meshes)()

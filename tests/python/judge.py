@@ -35,7 +35,6 @@ class Judge:
         one, other = order[0::2], order[1::2]
         self.pairs = np.column_stack((one // 3, other // 3))
         self.edge_count = len(sides)
-        self.border_edge_count = int((sides == 1).sum())
         self.sides = (one, other)
         # At each end of the edge the corners of both faces are joined.
         starts_there, ends_there = other, self._ahead(other)

@@ -149,6 +149,15 @@ def area_vectors(vertices, faces):
     return np.cross(b - a, c - a)
 
 
+def areas(vertices, faces):
+    return 0.5 * np.linalg.norm(area_vectors(vertices, faces), axis=1)
+
+
+def weight_imbalance(labels, weights):
+    loads = np.bincount(labels, weights)
+    return float(loads.max() / loads.mean())
+
+
 def volume(vertices, faces):
     return float(np.linalg.det(vertices[faces]).sum() / 6)
 

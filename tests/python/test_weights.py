@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from mesh_paths import SAMPLE_FOLDER, load_arrays
+from recount import weight_imbalance
 
 import spheroseg
 from spheroseg import cli
@@ -24,15 +25,10 @@ def weights(leaf):
     return np.random.default_rng(2).integers(1, 11, len(leaf[1]))
 
 
-def imbalance(labels, weights):
-    loads = np.bincount(labels, weights)
-    return loads.max() / loads.mean()
-
-
 def test_weights_are_balanced(leaf, weights):
     result = spheroseg.segment(*leaf, 12, balance="weight", face_weights=weights)
     found = result.measures["weight_imbalance"]
-    assert found == pytest.approx(imbalance(result.labels, weights))
+    assert found == pytest.approx(weight_imbalance(result.labels, weights))
     assert found <= 1.05
 
 
@@ -79,7 +75,7 @@ def test_the_command_line_takes_both_from_files(leaf, weights, tmp_path):
     labels = np.load(tmp_path / "out.npy")
     measures = json.loads((tmp_path / "out.json").read_text())
     assert measures["submesh_count"] == 8
-    assert measures["weight_imbalance"] == pytest.approx(imbalance(labels, weights))
+    assert measures["weight_imbalance"] == pytest.approx(weight_imbalance(labels, weights))
     same = spheroseg.segment(
         *leaf,
         balance="weight",
@@ -87,6 +83,13 @@ def test_the_command_line_takes_both_from_files(leaf, weights, tmp_path):
         initial_labels=np.arange(len(weights)) * 8 // len(weights),
     )
     assert (same.labels == labels).all()
+
+
+def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
+    path = tmp_path / "weights.txt"
+    path.write_text("1\nheavy\n")
+    assert cli.main(["segment", str(LEAF), "--balance", "weight", "--weights", str(path)]) == 2
+    assert f"{path}: is no file of weights: " in capsys.readouterr().err
 
 
 def test_a_missing_attribute_is_one_line(capsys):

@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
         if options.min_triangles <= mesh.triangle_count <= options.max_triangles
     ]
     chosen.sort(key=lambda mesh: (mesh.triangle_count, mesh.name))
-    facts = environment.describe(_command(options), 0)
+    facts = environment.surroundings()
     options.threads = options.threads or os.cpu_count()
     facts["threads"] = f"{options.threads} for ours, 1 for the partitioners"
     if not options.report_only:
@@ -128,12 +128,6 @@ def _print_row(row: dict) -> None:
 
 def _line(bar: Bar) -> str:
     return f"{bar.value:8.3f}  (bar {bar.bar:g}, aim {bar.aim:g})  {bar.verdict:<13} {bar.title}"
-
-
-def _command(options) -> str:
-    parts = [f"--{name.replace('_', '-')} {getattr(options, name)}" for name in ("meshes", "k")]
-    given = [part for part in parts if not part.endswith("None")]
-    return " ".join(["python -m spheroseg.bench", *given, f"--repeats {options.repeats}"])
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ def run(arguments) -> int:
     shared.check_outputs(arguments)
     mesh_set = mesh_files.read_mesh(arguments.mesh)
     if arguments.weights:
-        api.set_face_weights(mesh_set, mesh_files.read_labels(arguments.weights), options)
+        api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
     if arguments.initial_labels:
         labels = mesh_files.read_labels(arguments.initial_labels)
         face_count = mesh_set.current_mesh().face_number()

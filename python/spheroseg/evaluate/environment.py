@@ -14,7 +14,12 @@ _PACKAGES = ("pymeshlab", "numpy", "pymetis", "kaminpar", "mtkahypar", "numba", 
 
 def describe(command: str, seed: int) -> dict[str, str]:
     """Names and values for the report, in the order in which they are shown."""
-    facts = {"command": command, "seed": str(seed), "SpheroSeg": __version__, "commit": _commit()}
+    return {"command": command, "seed": str(seed)} | surroundings()
+
+
+def surroundings() -> dict[str, str]:
+    """The part that does not depend on what was run."""
+    facts = {"SpheroSeg": __version__, "commit": _commit()}
     for package in _PACKAGES:
         try:
             facts[package] = metadata.version(package)
