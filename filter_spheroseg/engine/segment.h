@@ -77,7 +77,8 @@ struct Segmentation {
     /// Of several components, as if each did its n-th iteration at the same time.
     std::vector<double> boundary_edges_by_iteration;
     std::vector<double> seconds_by_iteration;
-    /// Cohesion: sum of chord distances; refinement: sum of Eq. 1 (all_pairs) or boundary edges.
+    /// `all_pairs`: sum of chord distances in cohesion, of Eq. 1 in refinement; `fast`: boundary
+    /// edges.
     std::vector<double> energy_by_iteration;
 };
 
@@ -119,7 +120,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 /// `fast`: each is one edge-connected piece without bowties, inside one component; triangle counts
 /// differ as little as the sizes of the components allow (`share_submeshes`), by one at most when
 /// there is one component. If that could not be reached, the measures say so. Depends on
-/// connectivity, options and seed, never on coordinates or threads.
+/// connectivity, options and seed, never on threads, and on coordinates only where areas are the
+/// weights.
 /// With `Balance::weight`, the heaviest sub-mesh is as near to the mean as could be reached
 /// instead; with `initial_labels` that are valid already, there are no more boundary edges than
 /// before (where the balance is by weight: none more, or a better balance), and labels keep their
