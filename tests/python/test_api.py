@@ -46,8 +46,13 @@ def assert_same_measures(found, expected):
 
 
 @pytest.mark.parametrize("name", FILTERS)
-def test_import_binds_each_filter_as_a_documented_method(name):
-    assert "(SpheroSeg)" in getattr(pymeshlab.MeshSet, name).__doc__
+def test_import_binds_each_filter_as_a_documented_method(cube, name):
+    text = getattr(pymeshlab.MeshSet, name).__doc__
+    assert "(SpheroSeg)" in text
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(*cube))
+    for parameter in mesh_set.filter_parameter_values(name):
+        assert parameter in text
 
 
 def test_the_methods_work_as_the_manual_shows(sample_arrays):
