@@ -22,6 +22,8 @@ namespace {
 
 /// Smaller components are worked on side by side, one thread each.
 constexpr int kLargeComponent = 16384;
+/// Heaviest loads that differ by less than this part of the mean count as equal.
+constexpr double kSameBalance = 0.001;
 
 /// Component after component, each with its share of the sub-meshes.
 class ComponentWise {
@@ -63,6 +65,10 @@ public:
             prepared_.mesh().face_count() <= kMaxFacesToSearch && !is_as_even_as_possible()) {
             search_all_shares(submesh_count);
         }
+        if (!options_.initial_labels.empty() &&
+            (component_count > 1 || options_.balance == Balance::weight)) {
+            keep_better_input(submesh_count);
+        }
         result_.parametrization_seconds += preparation;
         result_.energy_by_iteration = result_.boundary_edges_by_iteration;
         result_.time_limit_hit = deadline_.expired();
@@ -97,6 +103,37 @@ private:
                 result_.labels = labels_of(patchwork);
                 return;
             }
+        }
+    }
+
+    /// Valid initial labels may share the sub-meshes out to the components in another way than
+    /// `share_out`, or load a sub-mesh that is too heavy anyway with less; then they can be better.
+    void keep_better_input(int submesh_count) {
+        const auto measures_of = [&](const std::vector<int>& labels) {
+            return measure(prepared_.mesh(), prepared_.dual_graph(), labels, submesh_count);
+        };
+        const auto is_valid = [&](const Measures& measures) {
+            return measures.min_submesh_triangles >= 1 && measures.bowtie_count == 0 &&
+                measures.disconnected_submesh_count == 0 &&
+                (options_.balance == Balance::weight ||
+                 measures.max_triangle_count_difference <=
+                     result_.best_max_triangle_count_difference);
+        };
+        std::vector<int> given = compacted(options_.initial_labels);
+        const Measures before = measures_of(given);
+        if (!is_valid(before)) {
+            return;
+        }
+        const Measures after = measures_of(result_.labels);
+        const bool is_shorter = after.boundary_edge_count < before.boundary_edge_count;
+        bool is_better = is_valid(after) && is_shorter;
+        if (options_.balance == Balance::weight && is_valid(after)) {
+            const double gain = weight_imbalance(weights_, given, submesh_count) -
+                weight_imbalance(weights_, result_.labels, submesh_count);
+            is_better = gain >= -kSameBalance && (gain > 0.0 || is_shorter);
+        }
+        if (!is_better) {
+            result_.labels = std::move(given);
         }
     }
 

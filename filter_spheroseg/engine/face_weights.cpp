@@ -48,8 +48,12 @@ void check_face_weights(const std::vector<double>& weights, int face_count) {
 
 std::vector<double> face_areas(const TriangleMesh& mesh) {
     double largest = 0.0;
-    for (const Vec3& p : mesh.positions) {
-        largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    // Vertices that no face uses may have any coordinates.
+    for (const Triangle& face : mesh.faces) {
+        for (int v : face) {
+            const Vec3& p = mesh.positions[v];
+            largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+        }
     }
     // Half of each: the difference of two of them must not overflow either.
     const double scale = largest > 0.0 ? 0.5 / largest : 0.0;

@@ -196,6 +196,40 @@ TEST(WarmStart, ValidLabelsDoNotGetWorseAndKeepTheirNumbers) {
     }
 }
 
+/// Three faces in a row, and three around a vertex; the second one comes first when `swapped`.
+TriangleMesh row_and_fan(bool swapped) {
+    TriangleMesh mesh;
+    for (int v = 0; v < 9; ++v) {
+        mesh.positions.push_back({1.0 * v, 1.0 * (v % 2), 1.0 * (v % 3)});
+    }
+    mesh.faces = {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {5, 6, 8}, {6, 7, 8}, {7, 5, 8}};
+    if (swapped) {
+        std::rotate(mesh.faces.begin(), mesh.faces.begin() + 3, mesh.faces.end());
+    }
+    return mesh;
+}
+
+TEST(WarmStart, ValidLabelsMayShareSubmeshesOutInAnotherWay) {
+    // Of three sub-meshes either component may have two; cutting the row costs one boundary edge,
+    // the fan two.
+    for (bool swapped : {false, true}) {
+        PreparedMesh prepared(row_and_fan(swapped), 1);
+        const std::vector<int> labels =
+            swapped ? std::vector<int>{0, 0, 0, 1, 1, 2} : std::vector<int>{0, 0, 1, 2, 2, 2};
+        for (Balance balance : {Balance::triangle_count, Balance::weight}) {
+            SegmentOptions options = warm_options(labels);
+            options.balance = balance;
+            if (balance == Balance::weight) {
+                options.face_weights.assign(6, 1.0);
+            }
+            const Segmentation result = segment(prepared, options);
+            EXPECT_TRUE(result.is_valid());
+            EXPECT_EQ(result.measures.boundary_edge_count, 1);
+            EXPECT_EQ(result.labels, labels);
+        }
+    }
+}
+
 TEST(WarmStart, LabelsWithGapsAreCompactedInOrder) {
     PreparedMesh prepared(displaced_sphere(3), 1);
     SegmentOptions options;

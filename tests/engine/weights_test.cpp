@@ -84,6 +84,15 @@ TEST(FaceWeights, AreasByHandAndWithoutOverflow) {
     EXPECT_DOUBLE_EQ(face_areas(mesh)[0] / areas[0], 1.0);
 }
 
+TEST(FaceWeights, AreasDoNotDependOnUnusedVertices) {
+    TriangleMesh mesh = octahedron();
+    const std::vector<double> areas = face_areas(mesh);
+    for (double far : {1e300, std::numeric_limits<double>::infinity()}) {
+        mesh.positions.push_back({far, 0, 0});
+        EXPECT_EQ(face_areas(mesh), areas);
+    }
+}
+
 TEST(FaceWeights, ImbalanceByHand) {
     EXPECT_DOUBLE_EQ(weight_imbalance({1, 2, 3, 6}, {0, 0, 0, 1}, 2), 1.0);
     EXPECT_DOUBLE_EQ(weight_imbalance({1, 2, 3, 6}, {0, 0, 1, 1}, 2), 1.5);

@@ -2,12 +2,16 @@
 #include "fuzz_case.h"
 
 #include "fuzz_mesh.h"
+#include "fuzz_start.h"
 
 #include <cmath>
 
 namespace spheroseg::fuzz {
 
 namespace {
+
+/// Here begin weights and initial labels; zeros mean neither.
+constexpr std::size_t kStartBytes = 15;
 
 void read_limits(ByteReader& bytes, FuzzCase& result) {
     const int kind = bytes.below(16);
@@ -101,6 +105,10 @@ FuzzCase read_case(const std::uint8_t* data, std::size_t size) {
     result.measure_any_labels = bytes.below(4) == 0;
     result.label_seed = bytes.byte();
     spoil_option(bytes, options);
+    bytes.skip_to(kStartBytes);
+    read_weights(bytes, result.mesh.face_count(), options);
+    read_labels(bytes, result.mesh, options);
+    result.start_again = bytes.below(4) == 1;
     return result;
 }
 

@@ -17,6 +17,8 @@ struct FuzzCase {
     /// Also measures labels that have nothing to do with the segmentation.
     bool measure_any_labels = false;
     int label_seed = 0;
+    /// Also starts again from the labels that came out, some of them changed.
+    bool start_again = false;
 };
 
 /// The first kOptionBytes bytes choose options, the others the mesh; new options take over bytes

@@ -36,7 +36,7 @@ void print_case(std::FILE* file, const FuzzCase& one) {
     const SegmentOptions& options = one.options;
     std::fprintf(file,
                  "method %d effort %d submesh_count %d triangles_per_submesh %d seed %llu "
-                 "thread_count %d iterations %d %d time_limit %g cancel_at_call %d\n",
+                 "thread_count %d iterations %d %d time_limit %g cancel_at_call %d balance %d\n",
                  static_cast<int>(options.method),
                  static_cast<int>(options.effort),
                  options.submesh_count,
@@ -46,7 +46,17 @@ void print_case(std::FILE* file, const FuzzCase& one) {
                  options.max_cohesion_iterations,
                  options.max_refinement_iterations,
                  options.time_limit_seconds,
-                 one.cancel_at_call);
+                 one.cancel_at_call,
+                 static_cast<int>(options.balance));
+    std::fprintf(file, "weights {");
+    for (double weight : options.face_weights) {
+        std::fprintf(file, "%.17g, ", weight);
+    }
+    std::fprintf(file, "} initial labels {");
+    for (int label : options.initial_labels) {
+        std::fprintf(file, "%d, ", label);
+    }
+    std::fprintf(file, "}\n");
     std::fprintf(file, "%d vertices, faces {", one.mesh.vertex_count());
     for (const Triangle& t : one.mesh.faces) {
         std::fprintf(file, "{%d, %d, %d}, ", t[0], t[1], t[2]);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What must hold for every mesh and all options, as a libFuzzer target.
 #include "exact_cuts.h"
+#include "expectations.h"
 #include "fuzz_case.h"
 #include "fuzz_report.h"
 #include "random.h"
 #include "recount.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace spheroseg::fuzz {
@@ -35,15 +37,20 @@ void check_measures(const Measures& measures, const Recount& recount, const Fuzz
 /// Labels complete and in range; what the measures say is so.
 Recount check_labels(const Segmentation& result, const Surface& surface, const FuzzCase& one) {
     const int submesh_count = result.measures.submesh_count;
-    require(submesh_count == requested_submesh_count(one.options, one.mesh.face_count()),
-            "submesh_count",
-            one);
+    require(submesh_count == expected_submesh_count(one), "submesh_count", one);
     require(result.labels.size() == one.mesh.faces.size(), "one label per face", one);
     for (int label : result.labels) {
         require(label >= 0 && label < submesh_count, "labels in range", one);
     }
     const Recount recount = surface.recount(result.labels, submesh_count);
     check_measures(result.measures, recount, one);
+    if (!has_vague_weights(one)) {
+        const double imbalance =
+            recount_imbalance(expected_weights(one), result.labels, submesh_count);
+        require(std::abs(result.weight_imbalance - imbalance) <= 1e-6 * imbalance,
+                "weight_imbalance",
+                one);
+    }
     return recount;
 }
 
@@ -52,11 +59,13 @@ void check_guarantees(const Segmentation& result,
                       const Surface& surface,
                       const FuzzCase& one) {
     const auto submesh_count = static_cast<int>(recount.triangle_counts.size());
-    const int difference = surface.least_count_difference(submesh_count);
+    const bool by_weight = one.options.balance == Balance::weight;
+    const int difference =
+        by_weight ? one.mesh.face_count() : surface.least_count_difference(submesh_count);
     require(result.component_count == static_cast<int>(surface.component_sizes().size()),
             "component_count",
             one);
-    require(result.best_max_triangle_count_difference == difference,
+    require(by_weight || result.best_max_triangle_count_difference == difference,
             "best_max_triangle_count_difference",
             one);
     const bool is_valid = recount.is_whole() && recount.max_triangle_count_difference <= difference;
@@ -101,12 +110,70 @@ void check_same_labels(PreparedMesh& used, const FuzzCase& one, const Segmentati
         return;
     }
     SegmentOptions options = one.options;
-    options.thread_count = options.thread_count == 1 ? 2 : 1;
+    options.thread_count = 1 + (options.thread_count + one.label_seed / 2 % 2) % 3;
     if (one.label_seed % 2 == 0) {
         require(segment(used, options).labels == result.labels, "same labels, used mesh", one);
     } else {
         PreparedMesh fresh(one.mesh, options.thread_count);
         require(segment(fresh, options).labels == result.labels, "same labels, new mesh", one);
+    }
+}
+
+/// Labels that are valid already do not get worse, and come back as they were where nothing better
+/// is found.
+void check_against_input(const Segmentation& result, const Surface& surface, const FuzzCase& one) {
+    const int submesh_count = result.measures.submesh_count;
+    const std::vector<int>& given = one.options.initial_labels;
+    std::vector<int> numbers(given);
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    std::vector<int> labels;
+    for (int label : given) {
+        labels.push_back(static_cast<int>(std::lower_bound(numbers.begin(), numbers.end(), label) -
+                                          numbers.begin()));
+    }
+    const Recount before = surface.recount(labels, submesh_count);
+    if (!before.is_whole()) {
+        return;
+    }
+    const int edges_more = result.measures.boundary_edge_count - before.boundary_edge_count;
+    if (one.options.balance == Balance::weight) {
+        const double imbalance = recount_imbalance(expected_weights(one), labels, submesh_count);
+        const double tolerance = 1e-9 * imbalance;
+        if (!has_vague_weights(one)) {
+            require(result.weight_imbalance <= imbalance + 0.001 + tolerance,
+                    "no worse balance than the initial labels",
+                    one);
+            require(result.weight_imbalance < imbalance + tolerance || edges_more <= 0,
+                    "no longer boundary than the initial labels at the same balance",
+                    one);
+        }
+    } else if (before.max_triangle_count_difference <=
+               surface.least_count_difference(submesh_count)) {
+        require(result.is_valid(), "valid labels stay valid", one);
+        require(edges_more <= 0, "no longer boundary than the initial labels", one);
+        require(edges_more < 0 || result.labels == labels, "labels come back as they were", one);
+    }
+}
+
+void run_segmentation(PreparedMesh& prepared, const Surface& surface, const FuzzCase& one);
+
+/// From the labels that came out; in half of the cases some faces get the label of another.
+void start_again(PreparedMesh& prepared,
+                 const Surface& surface,
+                 const FuzzCase& one,
+                 const std::vector<int>& labels) {
+    FuzzCase next = one;
+    next.start_again = false;
+    next.cancel_at_call = 0;
+    next.options.initial_labels = labels;
+    Random random(static_cast<std::uint64_t>(one.label_seed));
+    const auto face_count = static_cast<std::uint32_t>(labels.size());
+    for (std::uint32_t i = random.below(2) * (1 + random.below(4)); i > 0; --i) {
+        next.options.initial_labels[random.below(face_count)] = labels[random.below(face_count)];
+    }
+    if (expected_submesh_count(next) >= static_cast<int>(surface.component_sizes().size())) {
+        run_segmentation(prepared, surface, next);
     }
 }
 
@@ -120,14 +187,22 @@ void run_segmentation(PreparedMesh& prepared, const Surface& surface, const Fuzz
         count(Outcome::cancelled);
         result = segment(prepared, one.options);
     }
+    require(expected_refusal(one).empty() || has_vague_weights(one), "bad options pass", one);
     const Recount recount = check_labels(result, surface, one);
     if (one.options.time_limit_seconds > 0.0 && result.time_limit_hit &&
-        !(recount.is_whole() && recount.max_triangle_count_difference <= 1)) {
+        !(recount.is_whole() &&
+          (one.options.balance == Balance::weight || recount.max_triangle_count_difference <= 1))) {
         count(Outcome::out_of_time);
     } else {
         check_guarantees(result, recount, surface, one);
     }
     check_same_labels(prepared, one, result);
+    if (!one.options.initial_labels.empty()) {
+        check_against_input(result, surface, one);
+    }
+    if (one.start_again && one.options.method == Method::fast) {
+        start_again(prepared, surface, one, result.labels);
+    }
 }
 
 void run_parametrization(PreparedMesh& prepared, const FuzzCase& one) {
@@ -170,10 +245,17 @@ void run_case(const FuzzCase& one) {
     try {
         run_segmentation(prepared, surface, one);
     } catch (const InvalidInput&) {
-        const int submesh_count = requested_submesh_count(one.options, one.mesh.face_count());
         require(!must_be_accepted(surface, one) ||
-                    submesh_count < static_cast<int>(surface.component_sizes().size()),
+                    expected_submesh_count(one) <
+                        static_cast<int>(surface.component_sizes().size()),
                 "a good mesh is refused",
+                one);
+        throw;
+    } catch (const InvalidOptions& error) {
+        const std::string expected = expected_refusal(one);
+        require((!expected.empty() || has_vague_weights(one)) &&
+                    std::string(error.what()).find(expected) != std::string::npos,
+                "options are refused for a reason",
                 one);
         throw;
     }
