@@ -3,9 +3,7 @@
 
 #include "raw_mesh.h"
 
-#include <cstring>
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <string>
 #include <vector>

@@ -60,7 +60,6 @@ public:
     CudaDevice(int index, const cudaDeviceProp& properties) : index_(index) {
         info_.name = properties.name;
         info_.multiprocessor_count = properties.multiProcessorCount;
-        info_.shared_bytes_per_block = properties.sharedMemPerBlock;
         call("cudaStreamCreateWithFlags", [&] { return stream_.create(); });
     }
     ~CudaDevice() override {

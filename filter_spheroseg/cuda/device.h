@@ -15,8 +15,6 @@ namespace spheroseg::cuda {
 struct DeviceInfo {
     std::string name;
     int multiprocessor_count = 0;
-    /// Most dynamic shared memory of a block, without asking for more than the default.
-    std::size_t shared_bytes_per_block = 0;
 };
 
 /// What the swap engine asks of a GPU: memory and five kernels. Launches and uploads are done in

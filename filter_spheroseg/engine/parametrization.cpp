@@ -2,7 +2,6 @@
 #include "parametrization.h"
 
 #include "errors.h"
-#include "orientation.h"
 #include "parallel_failure.h"
 #include "refining_mesh.h"
 #include "ring_energy.h"

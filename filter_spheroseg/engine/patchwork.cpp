@@ -3,7 +3,6 @@
 
 #include "threads.h"
 
-#include <algorithm>
 #include <numeric>
 
 namespace spheroseg {

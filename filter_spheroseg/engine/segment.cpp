@@ -112,7 +112,7 @@ void segment_all_pairs(PreparedMesh& prepared,
 
 PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count) try
     : mesh_(std::move(mesh)), dual_graph_(build_dual_graph(mesh_, thread_count)),
-      report_(inspect(mesh_, dual_graph_, thread_count)) {
+      report_(inspect(mesh_, dual_graph_)) {
 } catch (const std::bad_alloc&) {
     throw OutOfMemory();
 }

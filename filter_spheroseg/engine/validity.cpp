@@ -345,7 +345,7 @@ bool MeshReport::is_closed_genus_zero() const {
         genus == 0;
 }
 
-MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int /*thread_count*/) {
+MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph) {
     return Inspection(mesh, dual_graph).run();
 }
 

@@ -29,7 +29,6 @@ public:
     explicit EmulatedDevice(Log& log, int multiprocessor_count = 4) : log_(log) {
         info_.name = "emulation";
         info_.multiprocessor_count = multiprocessor_count;
-        info_.shared_bytes_per_block = std::size_t{48} << 10;
     }
 
     const cuda::DeviceInfo& info() const override { return info_; }

@@ -2,14 +2,12 @@
 #include "pair_cohesion.h"
 
 #include "all_pairs_cohesion.h"
-#include "parametrization.h"
 #include "segment.h"
 #include "sphere_bisection.h"
 #include "test_meshes.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 
 namespace spheroseg {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "byte_reader.h"
 #include "segment.h"
 
 namespace spheroseg::fuzz {
