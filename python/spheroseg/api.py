@@ -112,7 +112,7 @@ def segment(
 
 
 def parametrize(vertices: ArrayLike, faces: ArrayLike) -> Parametrization:
-    """Maps a mesh, given as for `segment`, onto the unit sphere without a flipped triangle.
+    """Maps a mesh, given as for the method all_pairs, onto the unit sphere; no triangle is flipped.
 
     Raises InputError when the mesh can not be used.
     """
