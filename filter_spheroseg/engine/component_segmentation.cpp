@@ -112,22 +112,19 @@ private:
         const auto measures_of = [&](const std::vector<int>& labels) {
             return measure(prepared_.mesh(), prepared_.dual_graph(), labels, submesh_count);
         };
-        const auto is_valid = [&](const Measures& measures) {
-            return measures.min_submesh_triangles >= 1 && measures.bowtie_count == 0 &&
-                measures.disconnected_submesh_count == 0 &&
-                (options_.balance == Balance::weight ||
-                 measures.max_triangle_count_difference <=
-                     result_.best_max_triangle_count_difference);
-        };
+        const int largest_difference = options_.balance == Balance::weight
+            ? prepared_.mesh().face_count()
+            : result_.best_max_triangle_count_difference;
         std::vector<int> given = compacted(options_.initial_labels);
         const Measures before = measures_of(given);
-        if (!is_valid(before)) {
+        if (!before.is_valid(largest_difference)) {
             return;
         }
         const Measures after = measures_of(result_.labels);
         const bool is_shorter = after.boundary_edge_count < before.boundary_edge_count;
-        bool is_better = is_valid(after) && is_shorter;
-        if (options_.balance == Balance::weight && is_valid(after)) {
+        const bool is_valid = after.is_valid(largest_difference);
+        bool is_better = is_valid && is_shorter;
+        if (options_.balance == Balance::weight && is_valid) {
             const double gain = weight_imbalance(weights_, given, submesh_count) -
                 weight_imbalance(weights_, result_.labels, submesh_count);
             is_better = gain >= -kSameBalance && (gain > 0.0 || is_shorter);

@@ -21,9 +21,9 @@ struct Measures {
     /// Triangles of each sub-mesh; submesh_count entries.
     std::vector<int> submesh_triangles;
 
-    /// Balanced to one triangle, nothing empty, all connected, no bowtie.
-    bool is_valid() const {
-        return max_triangle_count_difference <= 1 && min_submesh_triangles >= 1 &&
+    /// Triangle counts differ by at most so many, nothing empty, all connected, no bowtie.
+    bool is_valid(int largest_difference = 1) const {
+        return max_triangle_count_difference <= largest_difference && min_submesh_triangles >= 1 &&
             disconnected_submesh_count == 0 && bowtie_count == 0;
     }
 };

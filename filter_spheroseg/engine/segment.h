@@ -68,10 +68,8 @@ struct Segmentation {
     /// Nothing empty, all connected, no bowtie; unless balanced by weight, triangle counts as equal
     /// as the components allow.
     bool is_valid() const {
-        return (balance == Balance::weight ||
-                measures.max_triangle_count_difference <= best_max_triangle_count_difference) &&
-            measures.min_submesh_triangles >= 1 && measures.disconnected_submesh_count == 0 &&
-            measures.bowtie_count == 0;
+        return measures.is_valid(balance == Balance::weight ? measures.triangle_count
+                                                            : best_max_triangle_count_difference);
     }
     /// One entry per iteration: cohesion, then refinement.
     /// Of several components, as if each did its n-th iteration at the same time.
