@@ -2,6 +2,7 @@
 #include "relaxation.h"
 
 #include "parallel_failure.h"
+#include "random.h"
 #include "threads.h"
 
 #include <algorithm>
@@ -86,6 +87,13 @@ private:
         std::int64_t sides = 0;
     };
 
+    struct Center {
+        int face = -1;
+        /// Its distance from the boundary, in faces.
+        int ring = -1;
+        std::uint64_t rank = 0;
+    };
+
     template <typename Work> void each_worker(Work work) {
         const int worker_count = static_cast<int>(workers_.size());
         ParallelFailure failure;
@@ -97,6 +105,7 @@ private:
     }
 
     void iterate() {
+        ++iteration_;
         const double least = *std::min_element(offsets_.begin(), offsets_.end());
         each_worker([&](Worker& worker, int w) { list_boundary(worker, w); });
         each_worker([&](Worker& worker, int w) { find_centers(worker, w); });
@@ -146,20 +155,32 @@ private:
         }
     }
 
-    /// Finds the face of each sub-mesh that is farthest from its boundary: the last one that is
-    /// reached breadth first.
+    /// Finds a face of each sub-mesh that is farthest from its boundary. Among several it takes a
+    /// random one, another one in each iteration: a fixed choice pulls all centres one way where
+    /// faces are numbered regularly, and holds them where they are.
     void find_centers(Worker& worker, int w) {
         const int first = begin_of(w, patchwork_.submesh_count());
         const int end = begin_of(w + 1, patchwork_.submesh_count());
-        std::fill(centers_.begin() + first, centers_.begin() + end, -1);
+        std::fill(centers_.begin() + first, centers_.begin() + end, Center{});
         std::vector<int>& queue = worker.queue;
         queue.clear();
         for (const Worker& lister : workers_) {
             queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
         }
+        std::size_t ring_end = queue.size();
+        int ring = 0;
         for (std::size_t head = 0; head < queue.size(); ++head) {
-            const Cell& cell = patchwork_.cells[queue[head]];
-            centers_[cell.label] = queue[head];
+            if (head == ring_end) {
+                ring_end = queue.size();
+                ++ring;
+            }
+            const int face = queue[head];
+            const Cell& cell = patchwork_.cells[face];
+            const std::uint64_t rank = Random(iteration_, static_cast<std::uint64_t>(face)).next();
+            Center& center = centers_[cell.label];
+            if (center.ring < ring || rank < center.rank) {
+                center = {face, ring, rank};
+            }
             for (int neighbor : cell.neighbor) {
                 if (neighbor >= 0 && inside_[neighbor]) {
                     inside_[neighbor] = 0;
@@ -170,8 +191,8 @@ private:
         // A centre stays with its sub-mesh even if another one would reach it earlier: nothing is
         // nearer than a distance of 0, and all others are greater.
         for (int l = first; l < end; ++l) {
-            if (centers_[l] >= 0) {
-                keys_[centers_[l]].store(make_key(0, l), std::memory_order_relaxed);
+            if (centers_[l].face >= 0) {
+                keys_[centers_[l].face].store(make_key(0, l), std::memory_order_relaxed);
             }
         }
     }
@@ -190,8 +211,8 @@ private:
         };
         const int end = begin_of(w + 1, patchwork_.submesh_count());
         for (int l = begin_of(w, patchwork_.submesh_count()); l < end; ++l) {
-            if (centers_[l] >= 0) {
-                put(centers_[l], static_cast<int>(offsets_[l] - least));
+            if (centers_[l].face >= 0) {
+                put(centers_[l].face, static_cast<int>(offsets_[l] - least));
             }
         }
         for (std::size_t d = 0; d < worker.buckets.size(); ++d) {
@@ -244,11 +265,12 @@ private:
 
     Patchwork& patchwork_;
     std::vector<Worker> workers_;
-    std::vector<int> centers_;
+    std::vector<Center> centers_;
     std::vector<double> offsets_;
     /// Not reached yet from the boundary.
     std::vector<std::uint8_t> inside_;
     std::vector<std::atomic<Key>> keys_;
+    std::uint64_t iteration_ = 0;
     double mean_load_ = 0.0;
     double radius_ = 0.0;
 };
