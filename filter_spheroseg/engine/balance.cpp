@@ -107,8 +107,8 @@ private:
         return arcs_;
     }
 
-    /// Passes one face from a sub-mesh that has too many to the nearest that can take one, or to
-    /// one that has too few from the nearest that can spare one.
+    /// Passes faces from a sub-mesh that has too many to the nearest that can take one, or to one
+    /// that has too few from the nearest that can spare one.
     bool relieve(int label, bool outward) {
         queue_.assign(1, label);
         parent_[label] = label;
@@ -120,8 +120,7 @@ private:
                 }
                 parent_[arc.label] = queue_[head];
                 queue_.push_back(arc.label);
-                const int load = patchwork_.load[arc.label];
-                if (outward ? load < ceiling_ : load > floor_) {
+                if (room(arc.label, outward) > 0) {
                     goal = arc.label;
                     break;
                 }
@@ -140,14 +139,24 @@ private:
         for (int l : queue_) {
             parent_[l] = -1;
         }
+        // As many faces as the two ends need, as long as the chain holds.
+        const int needed = goal < 0 ? 0 : std::min(deviation(label), room(goal, outward));
         bool moved = false;
-        for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-            if (!pass(path[i], path[i + 1])) {
-                return moved;
+        for (int passed = 0; passed < needed; ++passed) {
+            for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+                if (!pass(path[i], path[i + 1])) {
+                    return moved;
+                }
+                moved = true;
             }
-            moved = true;
         }
         return moved;
+    }
+
+    /// Faces that a sub-mesh can take (`outward`) or spare.
+    int room(int label, bool outward) const {
+        const int load = patchwork_.load[label];
+        return outward ? ceiling_ - load : load - floor_;
     }
 
     /// The same by a random walk: where sub-meshes have two or three faces, the first move of a
