@@ -2,6 +2,8 @@
 #include "measures.h"
 
 #include "errors.h"
+#include "parallel_failure.h"
+#include "threads.h"
 #include "vertex_fans.h"
 
 #include <algorithm>
@@ -145,7 +147,8 @@ void measure_balance(Measures& result) {
 Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,
-                 int submesh_count) {
+                 int submesh_count,
+                 int thread_count) {
     check_labels(dual_graph, labels, submesh_count);
     Measures result;
     result.submesh_count = submesh_count;
@@ -159,9 +162,22 @@ Measures measure(const TriangleMesh& mesh,
     }
     measure_balance(result);
 
-    const EdgeCounts edges = count_edges(dual_graph, labels, submesh_count);
-    const FanCounts fans = count_fans(mesh, dual_graph, labels, submesh_count);
-    const std::vector<int> components = count_components(dual_graph, labels, submesh_count);
+    EdgeCounts edges;
+    FanCounts fans;
+    std::vector<int> components;
+    const int threads = resolve_thread_count(thread_count);
+    ParallelFailure failure;
+#pragma omp parallel sections num_threads(threads)
+    {
+#pragma omp section
+        failure.guard([&] { fans = count_fans(mesh, dual_graph, labels, submesh_count); });
+#pragma omp section
+        failure.guard([&] {
+            edges = count_edges(dual_graph, labels, submesh_count);
+            components = count_components(dual_graph, labels, submesh_count);
+        });
+    }
+    failure.rethrow();
     result.boundary_edge_count = edges.boundary_edges;
     if (edges.edges > 0) {
         result.boundary_edge_ratio = static_cast<double>(edges.boundary_edges) / edges.edges;

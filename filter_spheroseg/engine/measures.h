@@ -28,13 +28,14 @@ struct Measures {
     }
 };
 
-/// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k).
+/// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k), on up to two threads.
 /// Edges and neighbours are those of the dual graph; an empty sub-mesh is neither disconnected nor
 /// a disk. Throws InvalidInput when the sizes differ or a label is out of range.
 Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,
-                 int submesh_count);
+                 int submesh_count,
+                 int thread_count = 0);
 
 /// `boundary_edge_count` alone.
 int count_boundary_edges(const DualGraph& dual_graph, const std::vector<int>& labels);

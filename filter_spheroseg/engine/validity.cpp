@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "validity.h"
 
+#include "parallel_failure.h"
+#include "threads.h"
 #include "vertex_fans.h"
 
 #include <algorithm>
@@ -65,16 +67,26 @@ public:
     Inspection(const TriangleMesh& mesh, const DualGraph& dual_graph)
         : mesh_(mesh), dual_graph_(dual_graph) {}
 
-    MeshReport run() {
+    MeshReport run(int thread_count) {
         report_.face_count = mesh_.face_count();
         report_.vertex_count = mesh_.vertex_count();
-        examine_faces();
-        examine_vertices();
-        collect_loose_sides();
-        number_fans();
-        label_components();
+        const int threads = resolve_thread_count(thread_count);
+        ParallelFailure failure;
+#pragma omp parallel sections num_threads(threads)
+        {
+#pragma omp section
+            failure.guard([&] { number_fans(); });
+#pragma omp section
+            failure.guard([&] {
+                examine_faces();
+                examine_vertices();
+                collect_loose_sides();
+                label_components();
+                count_duplicates();
+            });
+        }
+        failure.rethrow();
         examine_loose_edges();
-        count_duplicates();
         count_non_manifold_vertices();
         finish();
         return report_;
@@ -345,8 +357,8 @@ bool MeshReport::is_closed_genus_zero() const {
         genus == 0;
 }
 
-MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph) {
-    return Inspection(mesh, dual_graph).run();
+MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count) {
+    return Inspection(mesh, dual_graph).run(thread_count);
 }
 
 std::string closed_genus_zero_error(const MeshReport& report) {
