@@ -10,7 +10,8 @@ Component::Component(const TriangleMesh& mesh,
                      const DualGraph& dual_graph,
                      std::vector<int> faces,
                      const std::vector<int>& local_index)
-    : face_count_(static_cast<int>(faces.size())), faces_(std::move(faces)) {
+    : faces_(std::move(faces)), own_(std::make_unique<Surface>()), mesh_(&own_->mesh),
+      dual_graph_(&own_->dual_graph) {
     std::vector<int> vertices;
     vertices.reserve(3 * faces_.size());
     for (int f : faces_) {
@@ -18,9 +19,9 @@ Component::Component(const TriangleMesh& mesh,
     }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    mesh_.positions.resize(vertices.size());
-    mesh_.faces.reserve(faces_.size());
-    dual_graph_.neighbors.reserve(faces_.size());
+    own_->mesh.positions.resize(vertices.size());
+    own_->mesh.faces.reserve(faces_.size());
+    own_->dual_graph.neighbors.reserve(faces_.size());
     for (int f : faces_) {
         Triangle triangle;
         std::array<int, 3> neighbors;
@@ -31,22 +32,43 @@ Component::Component(const TriangleMesh& mesh,
             const int g = dual_graph.neighbors[f][c];
             neighbors[c] = g < 0 ? -1 : local_index[g];
         }
-        mesh_.faces.push_back(triangle);
-        dual_graph_.neighbors.push_back(neighbors);
+        own_->mesh.faces.push_back(triangle);
+        own_->dual_graph.neighbors.push_back(neighbors);
     }
-    orient_alike(mesh_, dual_graph_);
+    orient_alike(own_->mesh, own_->dual_graph);
 }
 
-Component::Component(int face_count, const CollapseHierarchy& hierarchy)
-    : face_count_(face_count), multilevel_(std::in_place, hierarchy, face_count) {}
+Component::Component(const TriangleMesh& mesh, const DualGraph& dual_graph)
+    : mesh_(&mesh), dual_graph_(&dual_graph) {}
+
+const CollapseHierarchy& Component::hierarchy(int thread_count, const Progress& progress) {
+    if (!hierarchy_) {
+        hierarchy_ = std::make_unique<CollapseHierarchy>(
+            build_hierarchy(*mesh_, *dual_graph_, thread_count, progress));
+    }
+    return *hierarchy_;
+}
 
 const Multilevel& Component::multilevel(int thread_count, const Progress& progress) {
     if (!multilevel_) {
-        hierarchy_ = std::make_unique<CollapseHierarchy>(
-            build_hierarchy(mesh_, dual_graph_, thread_count, progress));
-        multilevel_.emplace(*hierarchy_, face_count_);
+        multilevel_.emplace(hierarchy(thread_count, progress), face_count());
     }
     return *multilevel_;
+}
+
+const Multilevel& Component::finest_level() {
+    if (!finest_level_) {
+        finest_level_.emplace(*mesh_, *dual_graph_);
+    }
+    return *finest_level_;
+}
+
+Multilevel Component::weighted_levels(bool coarse,
+                                      const std::vector<int>& weights,
+                                      int thread_count,
+                                      const Progress& progress) {
+    return coarse ? Multilevel(hierarchy(thread_count, progress), face_count(), weights)
+                  : Multilevel(*mesh_, *dual_graph_, weights);
 }
 
 std::vector<std::vector<int>> faces_of_components(const DualGraph& dual_graph) {

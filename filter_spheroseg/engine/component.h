@@ -20,23 +20,37 @@ public:
               std::vector<int> faces,
               const std::vector<int>& local_index);
 
-    /// A whole mesh that is one component, oriented alike already; `hierarchy` must outlive this.
-    Component(int face_count, const CollapseHierarchy& hierarchy);
+    /// A whole mesh that is one component, oriented alike already. Both must outlive this.
+    Component(const TriangleMesh& mesh, const DualGraph& dual_graph);
 
-    int face_count() const { return face_count_; }
+    int face_count() const { return mesh_->face_count(); }
     /// The face of the whole mesh that face `f` of the component is.
     int mesh_face(int f) const { return faces_.empty() ? f : faces_[f]; }
 
-    /// Its coarse versions; built on first use.
+    /// These are built on first use and kept: how it collapses, its coarse versions, and the same
+    /// without any coarse version, which needs no hierarchy.
+    const CollapseHierarchy& hierarchy(int thread_count, const Progress& progress);
     const Multilevel& multilevel(int thread_count, const Progress& progress);
+    const Multilevel& finest_level();
+    /// With weights of the faces (see Multilevel), `coarse` or only the finest level. Not kept.
+    Multilevel weighted_levels(bool coarse,
+                               const std::vector<int>& weights,
+                               int thread_count,
+                               const Progress& progress);
 
 private:
-    int face_count_;
+    struct Surface {
+        TriangleMesh mesh;
+        DualGraph dual_graph;
+    };
+
     std::vector<int> faces_;
-    TriangleMesh mesh_;
-    DualGraph dual_graph_;
+    std::unique_ptr<Surface> own_;
+    const TriangleMesh* mesh_;
+    const DualGraph* dual_graph_;
     std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for multilevel_
     std::optional<Multilevel> multilevel_;
+    std::optional<Multilevel> finest_level_;
 };
 
 /// The faces of each edge-connected component, in increasing order; components in the order of

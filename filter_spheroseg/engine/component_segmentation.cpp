@@ -38,7 +38,7 @@ public:
 
     void run(int submesh_count) {
         const Deadline watch;
-        components_ = &prepared_.components(options_.thread_count, sub_progress(progress_, 0, 0.2));
+        components_ = &prepared_.components();
         const double preparation = watch.elapsed_seconds();
         std::vector<int> face_counts;
         for (const Component& component : *components_) {
@@ -88,16 +88,10 @@ private:
     /// The last resort for small meshes: other shares, and any counts that differ as little as
     /// those of the best shares.
     void search_all_shares(int submesh_count) {
-        const TriangleMesh& mesh = prepared_.mesh();
-        Patchwork patchwork;
-        patchwork.load.assign(submesh_count, 0);
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            const Triangle& v = mesh.faces[f];
-            const auto& n = prepared_.dual_graph().neighbors[f];
-            patchwork.cells.push_back({{v[0], v[1], v[2]}, {n[0], n[1], n[2]}, 0, 1});
-        }
+        const Multilevel finest(prepared_.mesh(), prepared_.dual_graph());
+        Patchwork patchwork = finest.coarsen(finest.face_count(), submesh_count);
         const int difference = result_.best_max_triangle_count_difference;
-        const int mean = mesh.face_count() / submesh_count;
+        const int mean = finest.face_count() / submesh_count;
         for (int least = mean; least >= std::max(1, mean - difference); --least) {
             if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
                 result_.labels = labels_of(patchwork);

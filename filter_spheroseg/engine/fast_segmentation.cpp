@@ -26,6 +26,8 @@ namespace {
 struct Budget {
     int relaxations;
     double coarse_proposals;
+    /// Instead of the former, where there is no coarse mesh.
+    double only_level_proposals;
     double level_proposals;
     double exchange_proposals;
     int coarse_phases;
@@ -37,13 +39,13 @@ struct Budget {
 Budget budget_of(Effort effort) {
     switch (effort) {
     case Effort::draft:
-        return {20, 60.0, 40.0, 20.0, 12, 6, 2.0};
+        return {20, 60.0, 45.0, 40.0, 20.0, 12, 6, 2.0};
     case Effort::high:
-        return {60, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
+        return {60, 4000.0, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
     case Effort::standard:
         break;
     }
-    return {20, 150.0, 90.0, 30.0, 24, 12, 2.0};
+    return {20, 150.0, 100.0, 90.0, 30.0, 24, 12, 2.0};
 }
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
@@ -54,9 +56,9 @@ constexpr int kMinCoarseFaces = 240;
 constexpr double kWorthCoarsening = 0.7;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
+constexpr int kMaxStarts = 6;
 /// About as many cells as fit in a core's own cache.
 constexpr int kMinFacesToSort = 30000;
-constexpr int kMaxStarts = 6;
 /// Level at which trials of the first start are compared, and the most trials.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 6;
@@ -83,14 +85,7 @@ public:
 
     void run() {
         const Deadline watch;
-        multilevel_ =
-            &component_.multilevel(options_.thread_count, sub_progress(progress_, 0, 0.2));
-        if (by_weight()) {
-            weighted_.emplace(multilevel_->hierarchy(),
-                              component_.face_count(),
-                              quantized_weights(task_.weights, submesh_count_));
-            multilevel_ = &*weighted_;
-        }
+        prepare_levels(sub_progress(progress_, 0, 0.2));
         result_.parametrization_seconds += watch.elapsed_seconds();
         const int wanted_starts =
             options_.effort == Effort::high && task_.initial_labels.empty() ? kHighStarts : 1;
@@ -123,6 +118,25 @@ public:
 
 private:
     bool by_weight() const { return !task_.weights.empty(); }
+
+    void prepare_levels(const Progress& progress) {
+        if (by_weight()) {
+            weighted_.emplace(
+                component_.weighted_levels(coarsens(),
+                                           quantized_weights(task_.weights, submesh_count_),
+                                           options_.thread_count,
+                                           progress));
+            multilevel_ = &*weighted_;
+        } else if (coarsens()) {
+            multilevel_ = &component_.multilevel(options_.thread_count, progress);
+        } else {
+            multilevel_ = &component_.finest_level();
+        }
+    }
+
+    bool coarsens() const {
+        return coarse_face_count() < kWorthCoarsening * component_.face_count();
+    }
 
     /// Initial labels that are valid already are a result to beat.
     void consider_input() {
@@ -194,7 +208,7 @@ private:
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             if (*most - *least <= 1) {
-                anneal_balanced(patchwork, exchanges(), control(&deadline_, 0.7, 1.0));
+                anneal_balanced(patchwork, exchanges(), control(0.7, 1.0));
             }
             keep_if_better(patchwork, true);
         }
@@ -261,12 +275,11 @@ private:
     Patchwork graph_start(int start) {
         const Deadline watch;
         const int face_count = component_.face_count();
-        const int wanted = coarse_face_count();
-        const bool coarsen = start < 2 && wanted < kWorthCoarsening * face_count;
-        Patchwork patchwork = multilevel_->coarsen(coarsen ? wanted : face_count, submesh_count_);
+        Patchwork patchwork = multilevel_->coarsen(
+            coarsens() && start < 2 ? coarse_face_count() : face_count, submesh_count_);
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
         if (start < 3) {
-            AnnealControl cohesion = control(&deadline_, 0.2, 0.25);
+            AnnealControl cohesion = control(0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
             in_label_order(patchwork, [&](Patchwork& level) {
@@ -306,7 +319,7 @@ private:
     }
 
     /// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
-    /// load may be off stays the same; `strength` 0.5 to 5 lets loads differ by some per cent.
+    /// load may be off stays the same; a strength of 0.5 to 10 lets loads differ by some per cent.
     void
     set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
         const double faces_per_submesh =
@@ -321,7 +334,8 @@ private:
         schedule.seed = seed_;
         schedule.temperature_begin = 0.35;
         schedule.temperature_end = 0.15;
-        schedule.proposals_per_face = budget_.coarse_proposals;
+        schedule.proposals_per_face =
+            coarsens() ? budget_.coarse_proposals : budget_.only_level_proposals;
         schedule.phase_count = budget_.coarse_phases;
         return schedule;
     }
@@ -355,7 +369,7 @@ private:
             const double next = done + (0.7 - done) * 0.4;
             if (!is_annealed) {
                 in_label_order(patchwork, [&](Patchwork& level) {
-                    anneal(level, schedule, control(&deadline_, done, next));
+                    anneal(level, schedule, control(done, next));
                 });
                 continue_schedule(schedule);
             }
@@ -364,13 +378,13 @@ private:
             uncoarsen(patchwork);
         }
         schedule.temperature_end = 0.1;
-        set_balance(schedule, patchwork, 0.5, 5.0);
+        set_balance(schedule, patchwork, 0.5, 10.0);
         in_label_order(patchwork, [&](Patchwork& finest) {
-            anneal(finest, schedule, control(&deadline_, done, 0.7));
+            anneal(finest, schedule, control(done, 0.7));
             if (by_weight()) {
-                balance_by_weight(finest, exchanges(), control(&deadline_, 0.7, 1.0));
+                balance_by_weight(finest, exchanges(), control(0.7, 1.0));
             } else if (balance(finest)) {
-                anneal_balanced(finest, exchanges(), control(&deadline_, 0.7, 1.0));
+                anneal_balanced(finest, exchanges(), control(0.7, 1.0));
             }
         });
         result_.refinement_seconds += watch.elapsed_seconds();
@@ -434,9 +448,9 @@ private:
         return schedule;
     }
 
-    AnnealControl control(const Deadline* deadline, double begin, double end) {
+    AnnealControl control(double begin, double end) {
         AnnealControl control;
-        control.deadline = deadline;
+        control.deadline = &deadline_;
         control.progress = sub_progress(start_progress_, begin, end);
         control.boundary_edges = &result_.boundary_edges_by_iteration;
         control.seconds = &result_.seconds_by_iteration;

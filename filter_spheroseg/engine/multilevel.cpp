@@ -6,12 +6,40 @@
 
 namespace spheroseg {
 
+namespace {
+
+Cell cell_of(const Triangle& vertices, const std::array<int, 3>& neighbors, int weight) {
+    return {{vertices[0], vertices[1], vertices[2]},
+            {neighbors[0], neighbors[1], neighbors[2]},
+            0,
+            weight};
+}
+
+} // namespace
+
+Multilevel::Multilevel(const CollapseHierarchy* hierarchy,
+                       int face_count,
+                       const std::vector<int>& weights)
+    : hierarchy_(hierarchy), cell_of_face_(face_count), weight_(weights) {
+    weight_.resize(face_count, 1);
+    total_weight_ = std::accumulate(weight_.begin(), weight_.end(), 0);
+}
+
+Multilevel::Multilevel(const TriangleMesh& mesh,
+                       const DualGraph& dual_graph,
+                       const std::vector<int>& weights)
+    : Multilevel(nullptr, mesh.face_count(), weights) {
+    std::iota(cell_of_face_.begin(), cell_of_face_.end(), 0);
+    base_.cells.reserve(cell_of_face_.size());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        base_.cells.push_back(cell_of(mesh.faces[f], dual_graph.neighbors[f], weight_[f]));
+    }
+}
+
 Multilevel::Multilevel(const CollapseHierarchy& hierarchy,
                        int face_count,
                        const std::vector<int>& weights)
-    : hierarchy_(&hierarchy), cell_of_face_(face_count), weight_(weights) {
-    weight_.resize(face_count, 1);
-    total_weight_ = std::accumulate(weight_.begin(), weight_.end(), 0);
+    : Multilevel(&hierarchy, face_count, weights) {
     const int step_count = hierarchy.step_count();
     const auto base_count = static_cast<int>(hierarchy.base_faces.size());
     for (int step = 0; step < step_count; ++step) {
@@ -35,13 +63,8 @@ Multilevel::Multilevel(const CollapseHierarchy& hierarchy,
     const DualGraph graph = build_dual_graph(base_mesh, 1);
     for (int f = 0; f < base_count; ++f) {
         cell_of_face_[hierarchy.base_faces[f]] = f;
-        Cell cell{};
-        for (int c = 0; c < 3; ++c) {
-            cell.vertex[c] = base_mesh.faces[f][c];
-            cell.neighbor[c] = graph.neighbors[f][c];
-        }
-        cell.weight = weight_[hierarchy.base_faces[f]];
-        base_.cells.push_back(cell);
+        base_.cells.push_back(
+            cell_of(base_mesh.faces[f], graph.neighbors[f], weight_[hierarchy.base_faces[f]]));
     }
 }
 
@@ -56,6 +79,9 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count) const {
 }
 
 void Multilevel::uncoarsen(Patchwork& patchwork, int min_face_count) const {
+    if (!hierarchy_) {
+        return;
+    }
     const auto base_count = static_cast<int>(base_.cells.size());
     int step = hierarchy_->step_count() - (patchwork.face_count() - base_count) / 2;
     int round = static_cast<int>(std::upper_bound(hierarchy_->round_begin.begin(),

@@ -19,6 +19,10 @@ public:
     Multilevel(const CollapseHierarchy& hierarchy,
                int face_count,
                const std::vector<int>& weights = {});
+    /// The finest level only, its cells in the order of the faces.
+    Multilevel(const TriangleMesh& mesh,
+               const DualGraph& dual_graph,
+               const std::vector<int>& weights = {});
 
     /// The coarsest level with at least `min_face_count` faces (the finest one if there is none),
     /// with all labels 0.
@@ -37,14 +41,14 @@ public:
     void set_labels(Patchwork& patchwork, const std::vector<int>& labels) const;
 
     int face_count() const { return static_cast<int>(cell_of_face_.size()); }
-    const CollapseHierarchy& hierarchy() const { return *hierarchy_; }
     /// Sum of the weights of all faces.
     int total_weight() const { return total_weight_; }
 
 private:
+    Multilevel(const CollapseHierarchy* hierarchy, int face_count, const std::vector<int>& weights);
     void undo(Patchwork& patchwork, int step) const;
 
-    const CollapseHierarchy* hierarchy_;
+    const CollapseHierarchy* hierarchy_; // null without coarse levels
     std::vector<int> cell_of_face_;
     /// Weight of each face when it was collapsed, or at the end.
     std::vector<int> weight_;

@@ -112,25 +112,17 @@ void segment_all_pairs(PreparedMesh& prepared,
 
 PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count) try
     : mesh_(std::move(mesh)), dual_graph_(build_dual_graph(mesh_, thread_count)),
-      report_(inspect(mesh_, dual_graph_)) {
+      report_(inspect(mesh_, dual_graph_, thread_count)) {
 } catch (const std::bad_alloc&) {
     throw OutOfMemory();
 }
 
-const CollapseHierarchy& PreparedMesh::hierarchy(int thread_count, const Progress& progress) {
-    if (!hierarchy_) {
-        hierarchy_ = std::make_unique<CollapseHierarchy>(
-            build_hierarchy(mesh_, dual_graph_, thread_count, progress));
-    }
-    return *hierarchy_;
-}
-
-std::vector<Component>& PreparedMesh::components(int thread_count, const Progress& progress) {
+std::vector<Component>& PreparedMesh::components() {
     if (!components_.empty()) {
         return components_;
     }
     if (report_.component_count == 1 && report_.inconsistent_edge_count == 0) {
-        components_.emplace_back(mesh_.face_count(), hierarchy(thread_count, progress));
+        components_.emplace_back(mesh_, dual_graph_);
         return components_;
     }
     std::vector<std::vector<int>> faces = faces_of_components(dual_graph_);
@@ -153,7 +145,7 @@ const Parametrization& PreparedMesh::parametrization(int thread_count,
                                                      const Progress& progress) try {
     if (!parametrization_) {
         const CollapseHierarchy& collapsed =
-            hierarchy(thread_count, sub_progress(progress, 0.0, 0.4));
+            components().front().hierarchy(thread_count, sub_progress(progress, 0.0, 0.4));
         parametrization_ =
             parametrize(mesh_, collapsed, thread_count, sub_progress(progress, 0.4, 1.0));
     }
@@ -283,7 +275,8 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
         segment_all_pairs(mesh, options, deadline, rising, result);
         break;
     }
-    result.measures = measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count);
+    result.measures =
+        measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count, options.thread_count);
     result.balance = options.balance;
     result.weight_imbalance = options.balance == Balance::weight
         ? weight_imbalance(weights_of(options, mesh.mesh()), result.labels, submesh_count)

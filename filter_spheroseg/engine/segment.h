@@ -86,13 +86,15 @@ class PreparedMesh {
 public:
     /// Examines the mesh. Throws InvalidInput when a vertex index is out of range, OutOfMemory.
     explicit PreparedMesh(TriangleMesh mesh, int thread_count = 0);
+    // Its components refer to it.
+    PreparedMesh(const PreparedMesh&) = delete;
+    PreparedMesh& operator=(const PreparedMesh&) = delete;
 
     const TriangleMesh& mesh() const { return mesh_; }
     const DualGraph& dual_graph() const { return dual_graph_; }
     const MeshReport& report() const { return report_; }
-    const CollapseHierarchy& hierarchy(int thread_count = 0, const Progress& progress = {});
     /// The edge-connected components, for `fast`.
-    std::vector<Component>& components(int thread_count = 0, const Progress& progress = {});
+    std::vector<Component>& components();
     const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
     /// Uses a map made before; returns false and changes nothing when it is not valid.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
@@ -101,7 +103,6 @@ private:
     TriangleMesh mesh_;
     DualGraph dual_graph_;
     MeshReport report_;
-    std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for components_
     std::vector<Component> components_;
     std::optional<Parametrization> parametrization_;
 };
