@@ -1,19 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exact_cut.h"
 
+#include "random.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace spheroseg {
 
 namespace {
 
 constexpr int kFree = -1;
+/// Further searches after the first one, in other orders, and the part of the steps that each gets.
+constexpr int kFurtherSearches = 20;
+constexpr int kStepDivisor = 5;
 
 class ExactCut {
 public:
-    ExactCut(Patchwork& patchwork, int least, int most, int max_steps)
+    /// Search 0 takes the largest sub-meshes and the first faces first, others what chance says.
+    ExactCut(Patchwork& patchwork, int least, int most, int max_steps, int search)
         : patchwork_(patchwork), least_(least), most_(most), steps_left_(max_steps),
-          seen_(patchwork.cells.size(), 0) {}
+          is_random_(search > 0), free_count_(patchwork.face_count()),
+          random_(static_cast<std::uint64_t>(search)), seen_(patchwork.cells.size(), 0) {}
 
     bool run() {
         for (Cell& cell : patchwork_.cells) {
@@ -22,6 +30,8 @@ public:
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         return place_submesh(0);
     }
+    /// False when nothing was found because there is nothing.
+    bool gave_up() const { return steps_left_ < 0; }
 
 private:
     int free_neighbors(int face) const {
@@ -33,16 +43,41 @@ private:
     }
 
     /// The free face with the fewest free neighbours; -1 when there is none.
-    int next_seed() const {
+    int next_seed() {
         int best = -1;
         int fewest = 4;
-        for (int f = 0; f < patchwork_.face_count() && fewest > 0; ++f) {
+        const int face_count = patchwork_.face_count();
+        const int first = is_random_ ? below(face_count) : 0;
+        for (int i = 0; i < face_count && fewest > 0; ++i) {
+            const int f = first + i < face_count ? first + i : first + i - face_count;
             if (patchwork_.cells[f].label == kFree && free_neighbors(f) < fewest) {
                 fewest = free_neighbors(f);
                 best = f;
             }
         }
         return best;
+    }
+
+    int below(int bound) {
+        return static_cast<int>(random_.below(static_cast<std::uint32_t>(bound)));
+    }
+
+    /// Sizes of the next sub-mesh, in the order in which they are tried: by chance those first
+    /// that are near the mean of what is left.
+    std::vector<int> sizes(int label) {
+        std::vector<int> order;
+        for (int size = most_; size >= least_; --size) {
+            order.push_back(size);
+        }
+        if (is_random_) {
+            const double mean =
+                free_count_ / static_cast<double>(patchwork_.submesh_count() - label);
+            const double wanted = mean + random_.uniform() - 0.5;
+            std::sort(order.begin(), order.end(), [&](int a, int b) {
+                return std::abs(a - wanted) < std::abs(b - wanted);
+            });
+        }
+        return order;
     }
 
     /// Places sub-mesh `label` and all after it.
@@ -54,7 +89,7 @@ private:
         if (label == patchwork_.submesh_count()) {
             return false;
         }
-        for (int size = most_; size >= least_; --size) {
+        for (int size : sizes(label)) {
             std::vector<int> frontier(1, seed);
             std::vector<int> excluded;
             if (grow(label, size, frontier, excluded)) {
@@ -85,6 +120,7 @@ private:
             if (patchwork_.load[label] == 0 || may_join(patchwork_, face, label)) {
                 patchwork_.cells[face].label = label;
                 ++patchwork_.load[label];
+                --free_count_;
                 std::vector<int> wider = frontier;
                 for (int neighbor : patchwork_.cells[face].neighbor) {
                     if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree &&
@@ -98,6 +134,7 @@ private:
                 }
                 patchwork_.cells[face].label = kFree;
                 --patchwork_.load[label];
+                ++free_count_;
             }
             excluded.push_back(face);
         }
@@ -143,6 +180,9 @@ private:
     const int least_;
     const int most_;
     int steps_left_;
+    const bool is_random_;
+    int free_count_;
+    Random random_;
     std::vector<std::uint8_t> seen_;
     std::vector<int> queue_;
 };
@@ -150,7 +190,17 @@ private:
 } // namespace
 
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps) {
-    return ExactCut(patchwork, least, most, max_steps).run();
+    for (int search = 0; search <= kFurtherSearches; ++search) {
+        const int steps = search == 0 ? max_steps : max_steps / kStepDivisor;
+        ExactCut cut(patchwork, least, most, steps, search);
+        if (cut.run()) {
+            return true;
+        }
+        if (!cut.gave_up()) {
+            break;
+        }
+    }
+    return false;
 }
 
 } // namespace spheroseg

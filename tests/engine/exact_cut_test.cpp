@@ -10,7 +10,46 @@ namespace {
 
 using namespace test;
 
-/// Grows a surface by gluing triangles to random open edges: its dual graph is a tree.
+/// A surface grown by gluing triangles to open edges: its dual graph is a tree. It is made of runs
+/// of 2 or 3 faces each that hang together.
+struct Tree {
+    TriangleMesh mesh;
+    int run_count = 0;
+};
+
+Tree planted_tree(int face_count, std::uint64_t seed) {
+    Random random(seed);
+    Tree tree;
+    TriangleMesh& mesh = tree.mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.faces = {{0, 1, 2}};
+    std::vector<std::pair<int, int>> open = {{1, 0}, {2, 1}, {0, 2}};
+    std::size_t run_begin = 0; // open edges of the current run are the last ones
+    int left = 1;
+    tree.run_count = 1;
+    while (mesh.face_count() < face_count || left > 0) {
+        const bool new_run = left == 0;
+        if (new_run) {
+            left = random.below(7) < 3 ? 3 : 2;
+            ++tree.run_count;
+        }
+        const std::size_t first = new_run ? 0 : run_begin;
+        const std::size_t at =
+            first + random.below(static_cast<std::uint32_t>(open.size() - first));
+        const auto [a, b] = open[at];
+        const int tip = mesh.vertex_count();
+        mesh.positions.push_back({1.0 * tip, 0.0, 0.0});
+        mesh.faces.push_back({a, b, tip});
+        open.erase(open.begin() + static_cast<std::ptrdiff_t>(at));
+        run_begin = new_run ? open.size() : run_begin;
+        open.emplace_back(tip, b);
+        open.emplace_back(a, tip);
+        --left;
+    }
+    return tree;
+}
+
+/// Grown by gluing to random open edges.
 TriangleMesh random_tree(int face_count, std::uint64_t seed) {
     Random random(seed);
     TriangleMesh mesh;
@@ -74,6 +113,19 @@ TEST(ExactCut, FindsACutExactlyWhereOneExists) {
     }
     EXPECT_GT(found_count, 20);
     EXPECT_GT(impossible_count, 20);
+}
+
+TEST(ExactCut, FindsCutsOfTreesThatAreKnownToExist) {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        const Tree tree = planted_tree(200, seed);
+        const Levels levels(tree.mesh);
+        Patchwork patchwork = levels.multilevel.coarsen(tree.mesh.face_count(), tree.run_count);
+        EXPECT_TRUE(cut_exactly(patchwork, 2, 3, kMaxSearchSteps)) << seed;
+        const Measures measures = measures_of(levels, patchwork);
+        EXPECT_TRUE(is_sound(measures));
+        EXPECT_GE(measures.min_submesh_triangles, 2);
+        EXPECT_LE(measures.max_submesh_triangles, 3);
+    }
 }
 
 TEST(ExactCut, GivesUpAfterItsSteps) {

@@ -13,6 +13,8 @@ using FaceSet = std::uint64_t;
 constexpr int kMaxFaces = 64;
 constexpr std::size_t kMaxPatches = 100000;
 constexpr int kMaxSteps = 300000;
+/// Patches looked at, over all sizes.
+constexpr int kMaxLooks = 30000;
 
 int lowest(FaceSet set) {
     return __builtin_ctzll(set);
@@ -45,17 +47,20 @@ public:
             const FaceSet lower = (FaceSet{1} << root) - 1;
             grow(root, FaceSet{1} << root, neighbors_[root] & ~lower, lower | FaceSet{1} << root);
         }
-        if (patch_count_ > kMaxPatches) {
+        if (gave_up()) {
             return Answer::unknown;
         }
         return cover(0, 0);
     }
 
+    bool gave_up() const { return patch_count_ > kMaxPatches || looks_ > kMaxLooks; }
+
 private:
     /// Collects the patches of a root: `open` are the neighbours that may still be added, `closed`
     /// those that may not, so that no patch is met twice.
     void grow(int root, FaceSet patch, FaceSet open, FaceSet closed) {
-        if (patch_count_ > kMaxPatches) {
+        ++looks_;
+        if (gave_up()) {
             return;
         }
         if (size_of(patch) >= least_ && is_free_of_bowties(patch)) {
@@ -120,6 +125,7 @@ private:
     int most_ = 0;
     std::size_t patch_count_ = 0;
     int steps_ = 0;
+    int looks_ = 0;
     std::set<std::pair<FaceSet, int>> dead_;
 };
 
@@ -130,8 +136,9 @@ Answer can_be_cut(const Surface& surface, int submesh_count, int count_differenc
         return Answer::unknown;
     }
     Search search(surface, submesh_count);
+    // From the most even sizes on, of which there are the fewest.
     Answer answer = Answer::no;
-    for (int least = 1; least * submesh_count <= surface.face_count(); ++least) {
+    for (int least = surface.face_count() / submesh_count; least >= 1; --least) {
         if ((least + count_difference) * submesh_count < surface.face_count()) {
             continue;
         }
@@ -140,6 +147,9 @@ Answer can_be_cut(const Surface& surface, int submesh_count, int count_differenc
             return here;
         }
         answer = here == Answer::unknown ? here : answer;
+        if (search.gave_up()) {
+            break;
+        }
     }
     return answer;
 }
