@@ -76,11 +76,15 @@ private:
         }
     }
 
-    /// The best allowed move to (or, not `outward`, from) each neighbour of a sub-mesh.
-    const std::vector<Arc>& arcs(int label, bool outward) {
+    /// The best allowed move to (or, not `outward`, from) each wanted neighbour of a sub-mesh.
+    template <typename Wanted>
+    const std::vector<Arc>& arcs(int label, bool outward, Wanted is_wanted) {
         --searches_left_;
         arcs_.clear();
         boundaries_.for_each_side(label, [&](int face, int c, int across) {
+            if (!is_wanted(across)) {
+                return;
+            }
             Move move;
             int moving = face;
             int corner = c;
@@ -114,10 +118,8 @@ private:
         parent_[label] = label;
         int goal = -1;
         for (std::size_t head = 0; head < queue_.size() && goal < 0; ++head) {
-            for (const Arc& arc : arcs(queue_[head], outward)) {
-                if (parent_[arc.label] >= 0) {
-                    continue;
-                }
+            const auto is_new = [this](int other) { return parent_[other] < 0; };
+            for (const Arc& arc : arcs(queue_[head], outward, is_new)) {
                 parent_[arc.label] = queue_[head];
                 queue_.push_back(arc.label);
                 if (room(arc.label, outward) > 0) {
@@ -164,7 +166,7 @@ private:
     bool wander(int label, bool outward) {
         int at = label;
         for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
-            const std::vector<Arc>& ways = arcs(at, outward);
+            const std::vector<Arc>& ways = arcs(at, outward, [](int) { return true; });
             if (ways.empty()) {
                 break;
             }
@@ -180,13 +182,12 @@ private:
     }
 
     bool pass(int from, int to) {
-        for (const Arc& arc : arcs(from, true)) {
-            if (arc.label == to) {
-                boundaries_.commit(arc.move);
-                return true;
-            }
+        const std::vector<Arc>& found = arcs(from, true, [to](int other) { return other == to; });
+        if (found.empty()) {
+            return false;
         }
-        return false;
+        boundaries_.commit(Move(found.front().move));
+        return true;
     }
 
     Patchwork& patchwork_;
