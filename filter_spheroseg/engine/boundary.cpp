@@ -19,6 +19,9 @@ constexpr int kWantedGroups = 32;
 constexpr int kLoadsPerLine = 16;
 /// Which sub-meshes are neighbours changes little from phase to phase.
 constexpr int kPhasesPerGraph = 4;
+/// Where a listed face belongs, if not to a group: it touches labels of other groups only, or none.
+constexpr int kIdle = -1;
+constexpr int kNowhere = -2;
 
 bool touches_other_label(const Patchwork& patchwork, int face) {
     const Cell& cell = patchwork.cells[face];
@@ -96,7 +99,18 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     return graph;
 }
 
-void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std::uint64_t seed) {
+void Grouping::regroup(const Patchwork& patchwork,
+                       BoundaryFaces& boundary,
+                       std::uint64_t seed,
+                       int thread_count) {
+    const int group_count = draw_groups(patchwork, boundary, seed);
+    place_loads(patchwork, group_count);
+    place_faces(patchwork, boundary, group_count, thread_count);
+}
+
+int Grouping::draw_groups(const Patchwork& patchwork,
+                          const BoundaryFaces& boundary,
+                          std::uint64_t seed) {
     const int submesh_count = patchwork.submesh_count();
     const int labels_per_group =
         std::clamp(submesh_count / kWantedGroups, kMinLabelsPerGroup, kMaxLabelsPerGroup);
@@ -136,25 +150,44 @@ void Grouping::regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std:
             }
         }
     }
-    place_loads(patchwork, group_count);
+    return group_count;
+}
+
+int Grouping::place_of(const Patchwork& patchwork, int face) const {
+    const Cell& cell = patchwork.cells[face];
+    const int group = group_of_label_[cell.label];
+    int place = kNowhere;
+    for (int neighbor : cell.neighbor) {
+        const int other = neighbor < 0 ? cell.label : patchwork.cells[neighbor].label;
+        if (other != cell.label) {
+            if (group_of_label_[other] == group) {
+                return group;
+            }
+            place = kIdle;
+        }
+    }
+    return place;
+}
+
+void Grouping::place_faces(const Patchwork& patchwork,
+                           BoundaryFaces& boundary,
+                           int group_count,
+                           int thread_count) {
+    const std::vector<int>& faces = boundary.faces();
+    const auto face_count = static_cast<int>(faces.size());
+    places_.resize(faces.size());
+    const int threads = resolve_thread_count(thread_count);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int i = 0; i < face_count; ++i) {
+        places_[i] = place_of(patchwork, faces[i]);
+    }
     faces_.assign(group_count, {});
     idle_faces_.clear();
-    for (int f : boundary.faces()) {
-        const Cell& cell = patchwork.cells[f];
-        const int group = group_of_label_[cell.label];
-        bool touches_other = false;
-        bool may_move = false;
-        for (int neighbor : cell.neighbor) {
-            const int other = neighbor < 0 ? cell.label : patchwork.cells[neighbor].label;
-            if (other != cell.label) {
-                touches_other = true;
-                may_move = may_move || group_of_label_[other] == group;
-            }
-        }
-        if (touches_other) {
-            (may_move ? faces_[group] : idle_faces_).push_back(f);
+    for (int i = 0; i < face_count; ++i) {
+        if (places_[i] == kNowhere) {
+            boundary.unlist(faces[i]);
         } else {
-            boundary.unlist(f);
+            (places_[i] == kIdle ? idle_faces_ : faces_[places_[i]]).push_back(faces[i]);
         }
     }
 }

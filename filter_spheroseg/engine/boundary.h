@@ -49,7 +49,10 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
 class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
-    void regroup(const Patchwork& patchwork, BoundaryFaces& boundary, std::uint64_t seed);
+    void regroup(const Patchwork& patchwork,
+                 BoundaryFaces& boundary,
+                 std::uint64_t seed,
+                 int thread_count);
     int group_count() const { return static_cast<int>(faces_.size()); }
     const std::vector<int>& group_of_label() const { return group_of_label_; }
     /// The listed faces whose label is in the group and that touch another label of it.
@@ -63,7 +66,14 @@ public:
     void collect(Patchwork& patchwork, BoundaryFaces& boundary);
 
 private:
+    /// Returns the number of groups.
+    int draw_groups(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
     void place_loads(const Patchwork& patchwork, int group_count);
+    int place_of(const Patchwork& patchwork, int face) const;
+    void place_faces(const Patchwork& patchwork,
+                     BoundaryFaces& boundary,
+                     int group_count,
+                     int thread_count);
 
     SubmeshGraph graph_;
     int phase_ = 0;
@@ -75,6 +85,7 @@ private:
     std::vector<std::vector<int>> faces_;
     /// The other listed faces.
     std::vector<int> idle_faces_;
+    std::vector<int> places_;
 };
 
 } // namespace spheroseg

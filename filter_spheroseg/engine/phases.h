@@ -158,7 +158,7 @@ void run_phases(Patchwork& patchwork,
         phase.proposals_per_face = schedule.proposals_per_face / phases;
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
 
-        grouping.regroup(patchwork, boundary, phase.seed);
+        grouping.regroup(patchwork, boundary, phase.seed, threads);
         const std::vector<int> groups = grouping.largest_first();
         const int group_count = grouping.group_count();
         std::int64_t change = 0;
