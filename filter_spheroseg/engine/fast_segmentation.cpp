@@ -30,6 +30,7 @@ struct Budget {
     double only_level_proposals;
     double level_proposals;
     double exchange_proposals;
+    double only_level_exchanges; // the same
     int coarse_phases;
     int level_phases;
     /// Number of faces of a level over that of the next coarser one.
@@ -39,13 +40,13 @@ struct Budget {
 Budget budget_of(Effort effort) {
     switch (effort) {
     case Effort::draft:
-        return {20, 60.0, 45.0, 40.0, 20.0, 12, 6, 2.0};
+        return {20, 60.0, 45.0, 40.0, 20.0, 15.0, 12, 6, 2.0};
     case Effort::high:
-        return {60, 4000.0, 4000.0, 1000.0, 1000.0, 48, 24, 1.5};
+        return {60, 4000.0, 4000.0, 1000.0, 1000.0, 1000.0, 48, 24, 1.5};
     case Effort::standard:
         break;
     }
-    return {20, 150.0, 100.0, 90.0, 30.0, 24, 12, 2.0};
+    return {20, 150.0, 100.0, 90.0, 30.0, 24.0, 24, 12, 2.0};
 }
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
@@ -443,7 +444,8 @@ private:
         schedule.seed = seed_ + 2000;
         schedule.temperature_begin = 0.25;
         schedule.temperature_end = 0.08;
-        schedule.proposals_per_face = budget_.exchange_proposals;
+        schedule.proposals_per_face =
+            coarsens() ? budget_.exchange_proposals : budget_.only_level_exchanges;
         schedule.phase_count = budget_.level_phases;
         return schedule;
     }
