@@ -92,7 +92,8 @@ def _plan(options) -> Plan:
 
 
 def _is_part(options) -> bool:
-    return bool(options.meshes or options.k or options.methods)
+    choices = ("meshes", "k", "methods", "repeats", "min_triangles", "max_triangles")
+    return any(getattr(options, name) != _parser().get_default(name) for name in choices)
 
 
 def _runs(options, mesh: meshes.BenchMesh) -> list[Run]:
