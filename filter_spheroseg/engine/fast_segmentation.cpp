@@ -97,7 +97,6 @@ public:
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             const bool is_tried = start == 0 && trial_count() > 1;
             Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start, wanted_starts);
-            patchwork.may_close_rings = start == 0 || any_valid_;
             refine_levels(patchwork, is_tried);
             const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
             if (valid && start > 0 && !task_.initial_labels.empty()) {
@@ -198,7 +197,13 @@ private:
         const bool on_sphere = whole_ && start == 1 && wanted_starts > 1 && !by_weight() &&
             submesh_count_ >= kManySubmeshes;
         Patchwork patchwork = on_sphere ? sphere_start() : graph_start(start);
+        // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
+        patchwork.may_close_rings = start == 0 || any_valid_;
         forced_faces_ = repair(patchwork);
+        if (forced_faces_ > 0 && !patchwork.may_close_rings) {
+            patchwork.may_close_rings = true;
+            forced_faces_ = repair(patchwork);
+        }
         return patchwork;
     }
 

@@ -21,8 +21,9 @@ public:
     }
 
 private:
-    // While a core grows, faces that may still join sub-mesh l have the label -2 - l.
-    static int candidate(int label) { return -2 - label; }
+    // While a core grows, faces that may still join sub-mesh l have the label -3 - l; -2 is what
+    // lies across an open border.
+    static int candidate(int label) { return -3 - label; }
 
     void keep_cores() {
         const int submesh_count = patchwork_.submesh_count();
@@ -99,18 +100,89 @@ private:
         patchwork_.load[label] += patchwork_.cells[face].weight;
     }
 
+    /// Single faces as far as they go; where fronts meet, around a limb or a hole, only fans of
+    /// faces close the gap between them.
     void grow_core(int seed, int label) {
         queue_.assign(1, seed);
+        refused_.clear();
         take(seed, label);
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label == candidate(label) &&
-                    may_join(patchwork_, neighbor, label)) {
-                    take(neighbor, label);
-                    queue_.push_back(neighbor);
+        std::size_t head = 0;
+        do {
+            for (; head < queue_.size(); ++head) {
+                for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
+                    if (neighbor < 0 || patchwork_.cells[neighbor].label != candidate(label)) {
+                        continue;
+                    }
+                    if (may_join(patchwork_, neighbor, label)) {
+                        take(neighbor, label);
+                        queue_.push_back(neighbor);
+                    } else {
+                        refused_.push_back(neighbor);
+                    }
+                }
+            }
+            close_gaps(label);
+        } while (head < queue_.size());
+    }
+
+    /// Joins fans of refused faces to the core, and appends them to the queue.
+    void close_gaps(int label) {
+        if (!patchwork_.may_close_rings) {
+            return;
+        }
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < refused_.size(); ++i) {
+            const int face = refused_[i];
+            if (patchwork_.cells[face].label == candidate(label)) {
+                if (join_fan(face, label)) {
+                    queue_.insert(
+                        queue_.end(), fan_.move.faces, fan_.move.faces + fan_.move.face_count);
+                } else {
+                    refused_[kept++] = face;
                 }
             }
         }
+        refused_.resize(kept);
+    }
+
+    /// Gives sub-mesh `label` the faces around a vertex, from a face that touches it on, that have
+    /// the label of that face, if that makes no bowtie.
+    bool join_fan(int face, int label) {
+        for (int c = 0; c < 3; ++c) {
+            if (patchwork_.label_across(patchwork_.cells[face], c) != label) {
+                continue;
+            }
+            for (bool forward : {false, true}) {
+                if (describe_fan(patchwork_, face, c, forward, fan_) && fan_may_join(fan_)) {
+                    for (int i = 0; i < fan_.move.face_count; ++i) {
+                        take(fan_.move.faces[i], label);
+                    }
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    /// A vertex of the fan's rim that lies between two faces may touch the sub-mesh only next to
+    /// an edge of the rim that does.
+    bool fan_may_join(const Fan& fan) const {
+        const int to = fan.move.to;
+        bool previous_touches = true;
+        for (int i = 0; i < fan.move.face_count; ++i) {
+            const Step& step = fan.steps[i];
+            const Cell& cell = patchwork_.cells[step.face];
+            const bool touches = patchwork_.label_across(cell, kNext[step.at]) == to;
+            if (!touches && !previous_touches &&
+                !no_label_around(patchwork_, step.face, step.from(), to)) {
+                return false;
+            }
+            previous_touches = touches;
+        }
+        const Step& last = fan.steps[fan.move.face_count - 1];
+        return previous_touches ||
+            patchwork_.label_across(patchwork_.cells[last.face], last.exit) == to ||
+            no_label_around(patchwork_, last.face, last.to(), to);
     }
 
     void fill_empty() {
@@ -190,14 +262,31 @@ private:
                     best = label;
                 }
             }
-            if (best < 0) {
-                continue;
-            }
-            take(face, best);
-            for (int neighbor : patchwork_.cells[face].neighbor) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label == -1) {
-                    queue.push_back(neighbor);
+            if (best >= 0) {
+                take(face, best);
+                list_free_neighbors(face, queue);
+            } else if (patchwork_.may_close_rings && joins_any_fan(face)) {
+                for (int i = 0; i < fan_.move.face_count; ++i) {
+                    list_free_neighbors(fan_.move.faces[i], queue);
                 }
+            }
+        }
+    }
+
+    bool joins_any_fan(int face) {
+        for (int c = 0; c < 3; ++c) {
+            const int label = patchwork_.label_across(patchwork_.cells[face], c);
+            if (label >= 0 && join_fan(face, label)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    void list_free_neighbors(int face, std::deque<int>& queue) const {
+        for (int neighbor : patchwork_.cells[face].neighbor) {
+            if (neighbor >= 0 && patchwork_.cells[neighbor].label == -1) {
+                queue.push_back(neighbor);
             }
         }
     }
@@ -227,6 +316,9 @@ private:
     Patchwork& patchwork_;
     const std::vector<std::uint8_t>& sound_;
     std::vector<int> queue_;
+    /// Faces that could not join the core alone.
+    std::vector<int> refused_;
+    Fan fan_;
     int donor_ = -1;
 };
 

@@ -22,11 +22,13 @@ struct Levels {
     Multilevel multilevel;
 };
 
-/// The finest level parted by bisection and then ragged by random moves that are allowed.
+/// The finest level parted into disks by bisection, then ragged by random moves that are allowed.
 inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {
     Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);
     bisect(patchwork, submesh_count, seed, 1);
+    patchwork.may_close_rings = false;
     repair(patchwork);
+    patchwork.may_close_rings = true;
     Random random(seed);
     for (int i = 0; i < 20 * patchwork.face_count(); ++i) {
         const auto face = static_cast<int>(random.below(patchwork.face_count()));

@@ -156,6 +156,64 @@ TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
     }
 }
 
+/// A flat square of 2 * side^2 faces with square holes of 2 * 2 squares, 4 apart.
+TriangleMesh grid_with_holes(int side) {
+    TriangleMesh mesh = open_grid(side);
+    const auto in_hole = [&](int square) {
+        return square % side % 4 / 2 == 1 && square / side % 4 / 2 == 1;
+    };
+    std::vector<Triangle> kept;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!in_hole(f / 2)) {
+            kept.push_back(mesh.faces[f]);
+        }
+    }
+    mesh.faces = kept;
+    return mesh;
+}
+
+TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
+    // Faces are numbered ring after ring, or row after row: each third is one sub-mesh, sound and
+    // no disk.
+    const std::vector<TriangleMesh> meshes = {
+        torus(36, 7), torus(60, 3), grid_with_holes(24), grid_with_holes(36)};
+    for (const TriangleMesh& mesh : meshes) {
+        const Levels levels(mesh);
+        std::vector<int> labels(mesh.face_count());
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            labels[f] = 3 * f / mesh.face_count();
+        }
+        Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), 3);
+        levels.multilevel.set_labels(patchwork, labels);
+        ASSERT_TRUE(is_sound(measures_of(levels, patchwork)));
+        ASSERT_EQ(measures_of(levels, patchwork).disk_count, 0);
+        EXPECT_EQ(repair(patchwork), 0);
+        EXPECT_EQ(levels.multilevel.labels(patchwork), labels);
+    }
+}
+
+TEST(Repair, BisectionsOfSurfacesWithHolesAndHandlesBecomeSound) {
+    const std::vector<TriangleMesh> meshes = {torus(36, 7),
+                                              torus(60, 3),
+                                              torus(24, 24),
+                                              grid_with_holes(24),
+                                              grid_with_holes(36),
+                                              long_thin_limb(3, 100),
+                                              long_thin_limb(5, 80)};
+    for (const TriangleMesh& mesh : meshes) {
+        const Levels levels(mesh);
+        for (int k : {2, 3, 4, 7, 10}) {
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            bisect(patchwork, k, 1, 1);
+            const int edges = measures_of(levels, patchwork).boundary_edge_count;
+            EXPECT_EQ(repair(patchwork), 0) << mesh.face_count() << " k " << k;
+            const Measures repaired = measures_of(levels, patchwork);
+            EXPECT_TRUE(is_sound(repaired)) << mesh.face_count() << " k " << k;
+            EXPECT_LE(repaired.boundary_edge_count, 2 * edges) << mesh.face_count() << " k " << k;
+        }
+    }
+}
+
 TEST(Balance, EverySubmeshHoldsFloorOrCeilingFacesOrItSaysSo) {
     const Levels levels(displaced_sphere(3));
     for (int k : {2, 7, 31, 200}) {
