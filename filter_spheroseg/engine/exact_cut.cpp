@@ -28,7 +28,7 @@ public:
             cell.label = kFree;
         }
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        return place_submesh(0);
+        return rest_can_be_parted(patchwork_.submesh_count()) && place_submesh(0);
     }
     /// False when nothing was found because there is nothing.
     bool gave_up() const { return steps_left_ < 0; }

@@ -134,5 +134,17 @@ TEST(ExactCut, GivesUpAfterItsSteps) {
     EXPECT_FALSE(cut_exactly(patchwork, 20, 20, 10));
 }
 
+TEST(ExactCut, SearchesNothingWhereThePiecesCanNotHaveTheseSizes) {
+    // Five faces are neither one sub-mesh of three or four nor two. A search that does not know
+    // would try all the ways to cut the grid first, which are more than could ever be tried.
+    TriangleMesh mesh = open_grid(10);
+    append(mesh, random_tree(5, 1));
+    const DualGraph graph = build_dual_graph(mesh);
+    for (int k : {52, 60, 68}) {
+        Patchwork patchwork = Multilevel(mesh, graph).coarsen(mesh.face_count(), k);
+        EXPECT_FALSE(cut_exactly(patchwork, 3, 4, 1 << 30));
+    }
+}
+
 } // namespace
 } // namespace spheroseg
