@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <utility>
 
 namespace spheroseg {
 
@@ -197,28 +198,47 @@ private:
             if (patchwork_.load[l] > 0) {
                 continue;
             }
-            if (next < free_faces.size()) {
-                // Spread over the free faces.
-                const std::size_t stride =
-                    std::max<std::size_t>(1, free_faces.size() / patchwork_.submesh_count());
-                take(free_faces[next], l);
-                next += stride;
-            } else {
-                split_off_face(l);
+            if (next >= free_faces.size() && split_off_face(l)) {
+                continue;
+            }
+            if (next >= free_faces.size()) {
+                dissolve_heaviest(free_faces);
+            }
+            // Spread over the free faces.
+            const std::size_t stride =
+                std::max<std::size_t>(1, free_faces.size() / patchwork_.submesh_count());
+            take(free_faces[next], l);
+            next += stride;
+        }
+    }
+
+    /// Frees all faces but one of the sub-mesh with the largest load.
+    void dissolve_heaviest(std::vector<int>& free_faces) {
+        const auto heaviest =
+            static_cast<int>(std::max_element(patchwork_.load.begin(), patchwork_.load.end()) -
+                             patchwork_.load.begin());
+        bool is_first = true;
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            if (patchwork_.cells[f].label == heaviest && !std::exchange(is_first, false)) {
+                patchwork_.cells[f].label = -1;
+                patchwork_.load[heaviest] -= patchwork_.cells[f].weight;
+                free_faces.push_back(f);
             }
         }
     }
 
-    /// Gives an empty sub-mesh a face that another one can spare and stay whole.
-    void split_off_face(int label) {
+    /// Gives an empty sub-mesh a face that another one can spare and stay whole. False when there
+    /// is none, as in rings that are one face wide.
+    bool split_off_face(int label) {
         for (int tries = 0; tries < patchwork_.face_count(); ++tries) {
             donor_ = (donor_ + 1) % patchwork_.face_count();
             if (can_spare(donor_)) {
                 patchwork_.load[patchwork_.cells[donor_].label] -= patchwork_.cells[donor_].weight;
                 take(donor_, label);
-                return;
+                return true;
             }
         }
+        return false;
     }
 
     /// The face's sub-mesh has other faces, and at each corner where it lies between two of them

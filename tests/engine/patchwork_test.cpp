@@ -156,6 +156,23 @@ TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
     }
 }
 
+TEST(Repair, LeavesNoSubmeshEmptyWhereNoFaceCanBeSparedAlone) {
+    // With all faces in one of k sub-meshes the others are split off, until what is left is a ring
+    // that is one face wide.
+    for (const TriangleMesh& mesh : {octahedron(), icosahedron(), torus(3, 3), bipyramid(7)}) {
+        const Levels levels(mesh);
+        for (int k = 1; k <= mesh.face_count(); ++k) {
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            levels.multilevel.set_labels(patchwork, std::vector<int>(mesh.face_count(), k - 1));
+            const int forced = repair(patchwork);
+            const Measures measures = measures_of(levels, patchwork);
+            EXPECT_GE(measures.min_submesh_triangles, 1) << mesh.face_count() << " k " << k;
+            EXPECT_EQ(is_sound(measures), forced == 0) << mesh.face_count() << " k " << k;
+            EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+        }
+    }
+}
+
 /// A flat square of 2 * side^2 faces with square holes of 2 * 2 squares, 4 apart.
 TriangleMesh grid_with_holes(int side) {
     TriangleMesh mesh = open_grid(side);
