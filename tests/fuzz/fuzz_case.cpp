@@ -10,6 +10,8 @@ namespace spheroseg::fuzz {
 
 namespace {
 
+/// Which kind of mesh; zero means a small one.
+constexpr std::size_t kMeshByte = 14;
 /// Here begin weights and initial labels; zeros mean neither.
 constexpr std::size_t kStartBytes = 15;
 
@@ -81,23 +83,58 @@ void read_submesh_count(ByteReader& bytes, int face_count, SegmentOptions& optio
     }
 }
 
+/// So few sub-meshes that a large mesh is coarsened; seldom more, but often with effort `high`,
+/// which then begins on the sphere too.
+void read_few_submeshes(ByteReader& bytes, int face_count, SegmentOptions& options) {
+    const int kind = options.effort == Effort::high ? 8 + bytes.below(8) : bytes.below(16);
+    const int amount = bytes.word();
+    if (kind == 0) {
+        options.triangles_per_submesh = 60 + amount % 1000;
+    } else if (kind < 8) {
+        options.submesh_count = 1 + amount % (1 + face_count / 80);
+    } else if (kind < (options.effort == Effort::high ? 11 : 15)) {
+        options.submesh_count = 2 + amount % 5;
+    } else {
+        options.submesh_count = 50 + amount % 100;
+    }
+}
+
+/// What would take too long on a large mesh gets few iterations.
+void bound_effort(int amount, int face_count, SegmentOptions& options) {
+    if (options.method == Method::all_pairs && face_count > kMaxFaces / 2) {
+        options.max_cohesion_iterations = 1 + amount % 2;
+        options.max_refinement_iterations = 1 + amount % 2;
+    } else if (options.effort == Effort::high && options.max_refinement_iterations == 0) {
+        options.max_refinement_iterations = 1 + amount % 32;
+    }
+}
+
 } // namespace
 
 FuzzCase read_case(const std::uint8_t* data, std::size_t size) {
     FuzzCase result;
+    ByteReader bytes(data, size < kOptionBytes ? size : kOptionBytes);
+    bytes.skip_to(kMeshByte);
+    const int mesh_kind = bytes.byte();
+    const bool large = mesh_kind % 2 == 1;
+    result.check_levels = mesh_kind / 2 % 4 == 1;
     ByteReader mesh_bytes(data, size);
     mesh_bytes.skip_to(kOptionBytes);
-    result.mesh = read_mesh(mesh_bytes);
+    result.mesh = read_mesh(mesh_bytes, large);
 
-    ByteReader bytes(data, size < kOptionBytes ? size : kOptionBytes);
+    bytes.skip_to(0);
     SegmentOptions& options = result.options;
     options.method = bytes.below(8) == 0 ? Method::all_pairs : Method::fast;
     const int effort = bytes.byte();
     options.effort = effort % 16 == 0 ? Effort::standard : Effort::draft;
-    if (effort == 255 && result.mesh.face_count() < 60) {
+    if (large ? effort >= 248 : effort == 255 && result.mesh.face_count() < 60) {
         options.effort = Effort::high;
     }
-    read_submesh_count(bytes, result.mesh.face_count(), options);
+    if (large) {
+        read_few_submeshes(bytes, result.mesh.face_count(), options);
+    } else {
+        read_submesh_count(bytes, result.mesh.face_count(), options);
+    }
     options.seed = static_cast<std::uint64_t>(bytes.byte());
     options.thread_count = 1 + bytes.below(3);
     read_limits(bytes, result);
@@ -109,6 +146,9 @@ FuzzCase read_case(const std::uint8_t* data, std::size_t size) {
     read_weights(bytes, result.mesh.face_count(), options);
     read_labels(bytes, result.mesh, options);
     result.start_again = bytes.below(4) == 1;
+    if (large) {
+        bound_effort(effort, result.mesh.face_count(), options);
+    }
     return result;
 }
 

@@ -16,6 +16,8 @@ struct FuzzCase {
     /// Also measures labels that have nothing to do with the segmentation.
     bool measure_any_labels = false;
     int label_seed = 0;
+    /// Also looks at the coarse levels of the mesh.
+    bool check_levels = false;
     /// Also starts again from the labels that came out, some of them changed.
     bool start_again = false;
 };

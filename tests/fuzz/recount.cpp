@@ -17,16 +17,21 @@ public:
     explicit Groups(std::size_t count) : group_(count) {
         std::iota(group_.begin(), group_.end(), 0);
     }
-    void join(int a, int b) {
-        const int from = group_[a];
-        const int to = group_[b];
-        if (from != to) {
-            std::replace(group_.begin(), group_.end(), from, to);
+    void join(int a, int b) { group_[of(a)] = of(b); }
+    /// The member that stands for the group.
+    int of(int member) {
+        while (group_[member] != member) {
+            group_[member] = group_[group_[member]];
+            member = group_[member];
         }
+        return member;
     }
-    int of(int member) const { return group_[member]; }
     int count() const {
-        return static_cast<int>(std::set<int>(group_.begin(), group_.end()).size());
+        int groups = 0;
+        for (std::size_t i = 0; i < group_.size(); ++i) {
+            groups += group_[i] == static_cast<int>(i);
+        }
+        return groups;
     }
 
 private:

@@ -3,7 +3,9 @@
 #include "exact_cuts.h"
 #include "expectations.h"
 #include "fuzz_case.h"
+#include "fuzz_levels.h"
 #include "fuzz_report.h"
+#include "fuzz_sphere.h"
 #include "random.h"
 #include "recount.h"
 
@@ -205,16 +207,6 @@ void run_segmentation(PreparedMesh& prepared, const Surface& surface, const Fuzz
     }
 }
 
-void run_parametrization(PreparedMesh& prepared, const FuzzCase& one) {
-    const std::vector<Vec3> positions =
-        prepared.parametrization(one.options.thread_count).positions;
-    require(is_valid_parametrization(one.mesh, positions), "valid map", one);
-    require(measure_parametrization(one.mesh, positions).flipped_triangle_count == 0,
-            "no flipped triangle",
-            one);
-    require(prepared.set_parametrization(positions), "the map fits its mesh", one);
-}
-
 /// Labels drawn at random, some of them out of range.
 void run_measures(const PreparedMesh& prepared, const Surface& surface, const FuzzCase& one) {
     Random random(static_cast<std::uint64_t>(one.label_seed));
@@ -237,10 +229,15 @@ void run_case(const FuzzCase& one) {
     PreparedMesh prepared(one.mesh, one.options.thread_count);
     const Surface surface(one.mesh);
     if (one.parametrize && prepared.report().is_closed_genus_zero()) {
-        run_parametrization(prepared, one);
+        const char* fault = find_bad_sphere(prepared, one.label_seed, one.options.thread_count);
+        require(!fault, fault, one);
     }
     if (one.measure_any_labels) {
         run_measures(prepared, surface, one);
+    }
+    if (one.check_levels && surface.is_clean()) {
+        const char* fault = find_bad_level(prepared, one.label_seed, one.options.thread_count);
+        require(!fault, fault, one);
     }
     try {
         run_segmentation(prepared, surface, one);
