@@ -31,6 +31,93 @@ bool has_closed_fan(const CollapseMesh& mesh, int v) {
     return false;
 }
 
+/// Closes the holes whose border passes each of its vertices once, in one direction.
+class Capper {
+public:
+    explicit Capper(CollapseMesh& mesh) : mesh_(mesh) {}
+
+    void run() {
+        list_border();
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            if (!is_done_[i] && find_loop(static_cast<int>(i))) {
+                cap();
+            }
+        }
+    }
+
+private:
+    /// Side `corner` of a face, on the border; it leads from one vertex to another.
+    struct Side {
+        int face;
+        int corner;
+        int from;
+        int to;
+    };
+
+    void list_border() {
+        const auto face_count = static_cast<int>(mesh_.faces.size());
+        for (int f = 0; f < face_count; ++f) {
+            const CollapseMesh::Face& face = mesh_.faces[f];
+            for (int c = 0; c < 3; ++c) {
+                if (face.neighbors[c] < 0) {
+                    sides_.push_back({f, c, face.vertices[c], face.vertices[(c + 1) % 3]});
+                }
+            }
+        }
+        is_done_.assign(sides_.size(), 0);
+        if (sides_.empty()) {
+            return;
+        }
+        side_from_.assign(mesh_.vertices.size(), kNone);
+        ends_at_.assign(mesh_.vertices.size(), 0);
+        for (std::size_t i = 0; i < sides_.size(); ++i) {
+            int& side = side_from_[sides_[i].from];
+            side = side == kNone ? static_cast<int>(i) : kSeveral;
+            ++ends_at_[sides_[i].to];
+        }
+    }
+
+    /// The sides of a hole, one after the other; false if the border is ambiguous somewhere.
+    bool find_loop(int first) {
+        loop_.clear();
+        bool is_simple = true;
+        for (int i = first; i >= 0 && !is_done_[i]; i = side_from_[sides_[i].to]) {
+            is_done_[i] = 1;
+            loop_.push_back(i);
+            is_simple = is_simple && ends_at_[sides_[i].to] == 1;
+        }
+        return is_simple && loop_.size() > 2 && side_from_[sides_[loop_.back()].to] == first;
+    }
+
+    void cap() {
+        const auto count = static_cast<int>(loop_.size());
+        const auto first = static_cast<int>(mesh_.faces.size());
+        const auto center = static_cast<int>(mesh_.vertices.size());
+        mesh_.vertices.push_back({first, count, 0, -1});
+        for (int i = 0; i < count; ++i) {
+            const Side& side = sides_[loop_[i]];
+            mesh_.faces[side.face].neighbors[side.corner] = first + i;
+            mesh_.faces.push_back(
+                {{side.to, side.from, center},
+                 {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
+                 0,
+                 -1});
+            mesh_.vertices[side.from].degree += 2;
+        }
+    }
+
+    static constexpr int kNone = -1;
+    static constexpr int kSeveral = -2;
+
+    CollapseMesh& mesh_;
+    std::vector<Side> sides_;
+    std::vector<char> is_done_;
+    /// Of each vertex the side that begins there, or one of the above, and how many end there.
+    std::vector<int> side_from_;
+    std::vector<int> ends_at_;
+    std::vector<int> loop_;
+};
+
 /// True when collapsing the star with this ring into ring[t] makes no edge that exists already, and
 /// the surface is not a tetrahedron: the one where two vertices of degree three are neighbours.
 bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int degree, int t) {
@@ -47,8 +134,18 @@ bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int deg
     return satisfied;
 }
 
-/// Position in the ring of the allowed target of least degree, then least weight; or -1.
+/// Position in the ring of the allowed target of least degree, then least weight; or -1. A vertex
+/// on a border goes along the border only, and leaves a face behind.
 int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
+    const auto is_cap = [&](int r) { return r >= mesh.first_cap_vertex; };
+    const bool on_border = std::any_of(ring, ring + degree, is_cap);
+    if (on_border && degree < 4) {
+        return -1;
+    }
+    const auto keeps_border = [&](int t) {
+        return !on_border || is_cap(ring[(t + 1) % degree]) ||
+            is_cap(ring[(t + degree - 1) % degree]);
+    };
     std::array<int, 3> last = {-1, -1, -1};
     for (int attempt = 0; attempt < degree; ++attempt) {
         int best = -1;
@@ -61,7 +158,8 @@ int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
                 best_rank = rank;
             }
         }
-        if (!mesh.is_fixed[ring[best]] && satisfies_link_condition(mesh, ring, degree, best)) {
+        if (!mesh.is_fixed[ring[best]] && keeps_border(best) &&
+            satisfies_link_condition(mesh, ring, degree, best)) {
             return best;
         }
         last = best_rank;
@@ -165,12 +263,18 @@ void add_to_vertex(CollapseMesh& mesh, int v, int degree, int weight) {
 /// Shares the weight of the two vanishing faces evenly among the faces that stay.
 void share_weight(CollapseMesh& mesh, const int* ring, const int* faces, int degree) {
     const std::int64_t freed = mesh.faces[faces[0]].weight + mesh.faces[faces[degree - 1]].weight;
+    const auto is_cap = [&](int f) { return f >= mesh.first_cap_face; };
+    const auto heirs = degree - 2 - std::count_if(faces + 1, faces + degree - 1, is_cap);
+    std::int64_t heir = 0;
     int kept_weight = 0;
     add_to_vertex(mesh, ring[1], -1, -mesh.faces[faces[0]].weight);
     add_to_vertex(mesh, ring[degree - 1], -1, -mesh.faces[faces[degree - 1]].weight);
     for (int j = 1; j + 1 < degree; ++j) {
-        const int share =
-            static_cast<int>(freed * j / (degree - 2) - freed * (j - 1) / (degree - 2));
+        if (is_cap(faces[j])) {
+            continue;
+        }
+        ++heir;
+        const int share = static_cast<int>(freed * heir / heirs - freed * (heir - 1) / heirs);
         kept_weight += mesh.faces[faces[j]].weight;
         mesh.faces[faces[j]].weight += share;
         add_to_vertex(mesh, ring[j], 0, share);
@@ -206,9 +310,10 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
                            int thread_count) {
     const int face_count = mesh.face_count();
     const int vertex_count = mesh.vertex_count();
+    first_cap_vertex = vertex_count;
+    first_cap_face = face_count;
     faces.resize(face_count);
     vertices.assign(vertex_count, {-1, 0, 0, -1});
-    is_fixed.assign(vertex_count, 0);
 #pragma omp parallel for num_threads(thread_count)
     for (int f = 0; f < face_count; ++f) {
         faces[f] = {mesh.faces[f], dual_graph.neighbors[f], 1, -1};
@@ -220,6 +325,8 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
             ++vertices[v].weight;
         }
     }
+    Capper(*this).run();
+    is_fixed.assign(vertices.size(), 1);
 #pragma omp parallel for num_threads(thread_count)
     for (int v = 0; v < vertex_count; ++v) {
         is_fixed[v] = !has_closed_fan(*this, v);

@@ -5,7 +5,9 @@
 
 namespace spheroseg {
 
-/// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy.
+/// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy. Holes are
+/// closed by caps: for each a vertex beyond those of the input, and around it a face beyond those
+/// of the input for each edge of the border. Faces of caps weigh nothing.
 struct CollapseMesh {
     struct Face {
         Triangle vertices;
@@ -28,9 +30,12 @@ struct CollapseMesh {
 
     std::vector<Face> faces;
     std::vector<Vertex> vertices;
-    /// Vertices without one closed fan of at least three faces that are oriented alike: never
-    /// removed, never a target.
+    /// Vertices without one closed fan of at least three faces that are oriented alike, and those
+    /// in the middle of caps: never removed, never a target.
     std::vector<char> is_fixed;
+    /// The first vertex and the first face of caps: the numbers of those of the input.
+    int first_cap_vertex;
+    int first_cap_face;
 
     CollapseMesh(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count);
 
@@ -67,7 +72,8 @@ struct CollapseRound {
 };
 
 /// Fills `round` for the vertices in round.vertex, no two of which are neighbours: their stars and
-/// targets. The target is the ring vertex of least degree that satisfies the link condition. Of
+/// targets. The target is the ring vertex of least degree that satisfies the link condition; for a
+/// vertex on a border it is the next one along that. Of
 /// two collapses that would make the same edge, the one of higher `keys[vertex]` gets no target.
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,

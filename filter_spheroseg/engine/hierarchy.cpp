@@ -39,11 +39,11 @@ class Builder {
 public:
     Builder(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count)
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
-          face_count_(mesh.face_count()), keys_(mesh.vertex_count()),
-          states_(mesh.vertex_count(), kOpen), is_loser_(mesh.vertex_count(), 0),
-          live_faces_(mesh.face_count()) {
+          face_count_(mesh.face_count()), keys_(mesh_.vertices.size()),
+          states_(mesh_.vertices.size(), kOpen), is_loser_(mesh_.vertices.size(), 0),
+          live_faces_(mesh_.faces.size()) {
         std::iota(live_faces_.begin(), live_faces_.end(), 0);
-        for (int v = 0; v < mesh.vertex_count(); ++v) {
+        for (int v = 0; v < static_cast<int>(mesh_.vertices.size()); ++v) {
             if (mesh_.vertices[v].degree > 0) {
                 alive_.push_back(v);
             }
@@ -216,6 +216,9 @@ void Builder::drop_removed() {
 
 void Builder::collect_base() {
     for (int f : live_faces_) {
+        if (f >= face_count_) {
+            continue;
+        }
         result_.base_faces.push_back(f);
         result_.base_triangles.push_back(mesh_.faces[f].vertices);
     }

@@ -42,14 +42,26 @@ Multilevel::Multilevel(const CollapseHierarchy& hierarchy,
     : Multilevel(&hierarchy, face_count, weights) {
     const int step_count = hierarchy.step_count();
     const auto base_count = static_cast<int>(hierarchy.base_faces.size());
+    faces_before_.resize(step_count);
+    int next_cell = base_count;
+    for (int step = step_count - 1; step >= 0; --step) {
+        faces_before_[step] = next_cell;
+        for (int f : {hierarchy.star_faces[hierarchy.star_begin[step]],
+                      hierarchy.star_faces[hierarchy.star_begin[step + 1] - 1]}) {
+            if (f < face_count) {
+                cell_of_face_[f] = next_cell++;
+            }
+        }
+    }
     for (int step = 0; step < step_count; ++step) {
         const int* star = hierarchy.star_faces.data() + hierarchy.star_begin[step];
         const int degree = hierarchy.star_begin[step + 1] - hierarchy.star_begin[step];
-        const int cell = base_count + 2 * (step_count - 1 - step);
-        cell_of_face_[star[0]] = cell;
-        cell_of_face_[star[degree - 1]] = cell + 1;
-        weight_[star[1]] += weight_[star[0]];
-        weight_[star[degree - 2]] += weight_[star[degree - 1]];
+        if (star[0] < face_count) {
+            weight_[star[1]] += weight_[star[0]];
+        }
+        if (star[degree - 1] < face_count) {
+            weight_[star[degree - 2]] += weight_[star[degree - 1]];
+        }
     }
 
     TriangleMesh base_mesh;
@@ -82,8 +94,12 @@ void Multilevel::uncoarsen(Patchwork& patchwork, int min_face_count) const {
     if (!hierarchy_) {
         return;
     }
-    const auto base_count = static_cast<int>(base_.cells.size());
-    int step = hierarchy_->step_count() - (patchwork.face_count() - base_count) / 2;
+    // The steps that are still to be undone are those before this one.
+    int step = static_cast<int>(
+        std::partition_point(faces_before_.begin(),
+                             faces_before_.end(),
+                             [&](int faces) { return faces >= patchwork.face_count(); }) -
+        faces_before_.begin());
     int round = static_cast<int>(std::upper_bound(hierarchy_->round_begin.begin(),
                                                   hierarchy_->round_begin.end(),
                                                   step - 1) -
@@ -97,49 +113,51 @@ void Multilevel::uncoarsen(Patchwork& patchwork, int min_face_count) const {
 }
 
 void Multilevel::undo(Patchwork& patchwork, int step) const {
-    const int begin = hierarchy_->star_begin[step];
-    const int degree = hierarchy_->star_begin[step + 1] - begin;
-    const int* star = hierarchy_->star_faces.data() + begin;
-    const int* ring = hierarchy_->ring_vertices.data() + begin;
+    const int first = undo_side(patchwork, step, true);
+    const int last = undo_side(patchwork, step, false);
+    if (first >= 0 && last >= 0) {
+        patchwork.cells[first].neighbor[0] = last;
+        patchwork.cells[last].neighbor[2] = first;
+    }
     const int vertex = hierarchy_->vertex[step];
-    const int target = ring[0];
+    const int target = hierarchy_->target[step];
+    for (int i = hierarchy_->star_begin[step] + 1; i + 1 < hierarchy_->star_begin[step + 1]; ++i) {
+        if (hierarchy_->star_faces[i] < face_count()) {
+            Cell& cell = patchwork.cells[cell_of_face_[hierarchy_->star_faces[i]]];
+            cell.vertex[corner_of(cell, target)] = vertex;
+        }
+    }
+}
 
-    const int first = patchwork.face_count();
-    const int last = first + 1;
-    const int next_to_first = cell_of_face_[star[1]];
-    const int next_to_last = cell_of_face_[star[degree - 2]];
+/// Brings the first or the last face of a star back, between the one that took its place and what
+/// lies beyond, but not yet beside the other one; returns its cell, or -1 if it belongs to a cap.
+int Multilevel::undo_side(Patchwork& patchwork, int step, bool first) const {
+    const int begin = hierarchy_->star_begin[step];
+    const int end = hierarchy_->star_begin[step + 1];
+    const int face = hierarchy_->star_faces[first ? begin : end - 1];
+    if (face >= face_count()) {
+        return -1;
+    }
+    const int vertex = hierarchy_->vertex[step];
+    const int target = hierarchy_->target[step];
+    const int rim = hierarchy_->ring_vertices[first ? begin + 1 : end - 1];
+    const int heir = cell_of_face_[hierarchy_->star_faces[first ? begin + 1 : end - 2]];
+    const int added = patchwork.face_count();
     std::vector<Cell>& cells = patchwork.cells;
-    // The outer neighbours of the two new faces.
-    const int corner_first = corner_of(cells[next_to_first], target);
-    const int corner_last = kPrevious[corner_of(cells[next_to_last], target)];
-    const int outer_first = cells[next_to_first].neighbor[corner_first];
-    const int outer_last = cells[next_to_last].neighbor[corner_last];
-
-    Cell new_first = {{vertex, target, ring[1]},
-                      {last, outer_first, next_to_first},
-                      cells[next_to_first].label,
-                      weight_[star[0]]};
-    Cell new_last = {{vertex, ring[degree - 1], target},
-                     {next_to_last, outer_last, first},
-                     cells[next_to_last].label,
-                     weight_[star[degree - 1]]};
-    cells[next_to_first].neighbor[corner_first] = first;
-    cells[next_to_last].neighbor[corner_last] = last;
-    cells[next_to_first].weight -= new_first.weight;
-    cells[next_to_last].weight -= new_last.weight;
-    // In the outer faces the shared edges run the other way: from ring[1], and from the target.
-    if (outer_first >= 0) {
-        cells[outer_first].neighbor[corner_of(cells[outer_first], ring[1])] = first;
+    const int corner = corner_of(cells[heir], target);
+    int& side = cells[heir].neighbor[first ? corner : kPrevious[corner]];
+    const int beyond = side;
+    side = added;
+    cells[heir].weight -= weight_[face];
+    if (beyond >= 0) {
+        // There the shared edge runs the other way: from the rim, or from the target.
+        cells[beyond].neighbor[corner_of(cells[beyond], first ? rim : target)] = added;
     }
-    if (outer_last >= 0) {
-        cells[outer_last].neighbor[corner_of(cells[outer_last], target)] = last;
-    }
-    for (int i = 1; i < degree - 1; ++i) {
-        Cell& cell = cells[cell_of_face_[star[i]]];
-        cell.vertex[corner_of(cell, target)] = vertex;
-    }
-    cells.push_back(new_first);
-    cells.push_back(new_last);
+    const Cell cell = first
+        ? Cell{{vertex, target, rim}, {-1, beyond, heir}, cells[heir].label, weight_[face]}
+        : Cell{{vertex, rim, target}, {heir, beyond, -1}, cells[heir].label, weight_[face]};
+    cells.push_back(cell);
+    return added;
 }
 
 std::vector<int> Multilevel::labels(const Patchwork& patchwork) const {

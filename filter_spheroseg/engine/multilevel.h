@@ -47,8 +47,11 @@ public:
 private:
     Multilevel(const CollapseHierarchy* hierarchy, int face_count, const std::vector<int>& weights);
     void undo(Patchwork& patchwork, int step) const;
+    int undo_side(Patchwork& patchwork, int step, bool first) const;
 
     const CollapseHierarchy* hierarchy_; // null without coarse levels
+    /// Number of faces before each step is undone; falls with the steps.
+    std::vector<int> faces_before_;
     std::vector<int> cell_of_face_;
     /// Weight of each face when it was collapsed, or at the end.
     std::vector<int> weight_;

@@ -78,9 +78,8 @@ TEST(Patchwork, FanMovesThatAreAllowedKeepBothSubmeshesSound) {
     EXPECT_GT(allowed_count, 200);
 }
 
-TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
-    const Levels levels(displaced_sphere(4));
-    Patchwork patchwork = levels.multilevel.coarsen(300, 9);
+void expect_sound_levels(const Levels& levels) {
+    Patchwork patchwork = levels.multilevel.coarsen(200, 9);
     bisect(patchwork, 9, 0, 2);
     ASSERT_EQ(repair(patchwork), 0);
     const std::vector<int> loads = patchwork.load;
@@ -103,8 +102,14 @@ TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
     }
 }
 
-TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
-    const Levels levels(limbed_figure(3));
+TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
+    expect_sound_levels(Levels(displaced_sphere(4)));
+    expect_sound_levels(Levels(open_grid(40)));
+    expect_sound_levels(Levels(grid_with_holes(44)));
+    expect_sound_levels(Levels(torus(60, 20)));
+}
+
+void expect_input_as_finest_level(const Levels& levels) {
     const Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 1);
     std::vector<int> identity(levels.mesh.face_count());
     std::iota(identity.begin(), identity.end(), 0);
@@ -119,10 +124,17 @@ TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
         for (int c = 0; c < 3; ++c) {
             const int corner = (turn + c) % 3;
             EXPECT_EQ(cell.vertex[corner], triangle[c]);
-            EXPECT_EQ(numbered.cells[cell.neighbor[corner]].label,
+            const int across = cell.neighbor[corner];
+            EXPECT_EQ(across < 0 ? -1 : numbered.cells[across].label,
                       levels.graph.neighbors[cell.label][c]);
         }
     }
+}
+
+TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
+    expect_input_as_finest_level(Levels(limbed_figure(3)));
+    expect_input_as_finest_level(Levels(open_grid(20)));
+    expect_input_as_finest_level(Levels(grid_with_holes(24)));
 }
 
 std::vector<int> random_labels(int face_count, int submesh_count) {
@@ -171,22 +183,6 @@ TEST(Repair, LeavesNoSubmeshEmptyWhereNoFaceCanBeSparedAlone) {
             EXPECT_EQ(patchwork.load, measures.submesh_triangles);
         }
     }
-}
-
-/// A flat square of 2 * side^2 faces with square holes of 2 * 2 squares, 4 apart.
-TriangleMesh grid_with_holes(int side) {
-    TriangleMesh mesh = open_grid(side);
-    const auto in_hole = [&](int square) {
-        return square % side % 4 / 2 == 1 && square / side % 4 / 2 == 1;
-    };
-    std::vector<Triangle> kept;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (!in_hole(f / 2)) {
-            kept.push_back(mesh.faces[f]);
-        }
-    }
-    mesh.faces = kept;
-    return mesh;
 }
 
 TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {

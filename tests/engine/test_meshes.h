@@ -168,6 +168,22 @@ inline TriangleMesh open_grid(int side) {
     return mesh;
 }
 
+/// The same with square holes of 2 * 2 squares, two squares apart.
+inline TriangleMesh grid_with_holes(int side) {
+    TriangleMesh mesh = open_grid(side);
+    const auto in_hole = [&](int square) {
+        return square % side % 4 / 2 == 1 && square / side % 4 / 2 == 1;
+    };
+    std::vector<Triangle> kept;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (!in_hole(f / 2)) {
+            kept.push_back(mesh.faces[f]);
+        }
+    }
+    mesh.faces = kept;
+    return mesh;
+}
+
 struct NamedMesh {
     std::string name;
     TriangleMesh mesh;
