@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "balance.h"
 
+#include "branches.h"
 #include "random.h"
 #include "submesh_boundaries.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace spheroseg {
 
@@ -14,7 +16,8 @@ class Balancer {
 public:
     Balancer(Patchwork& patchwork, std::int64_t max_searches)
         : patchwork_(patchwork), searches_left_(max_searches), boundaries_(patchwork),
-          parent_(patchwork.submesh_count(), -1), arc_of_(patchwork.submesh_count(), -1) {
+          branches_(patchwork), parent_(patchwork.submesh_count(), -1),
+          arc_of_(patchwork.submesh_count(), -1) {
         floor_ = patchwork.face_count() / patchwork.submesh_count();
         ceiling_ = floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0);
     }
@@ -29,7 +32,10 @@ public:
                 for (int left = deviation(l); left > 0 && deviation(l) > 0 && searches_left_ > 0;
                      --left) {
                     const bool outward = patchwork_.load[l] > ceiling_;
-                    if (!(idle_rounds > 0 ? wander(l, outward) : relieve(l, outward))) {
+                    const bool with_branches = idle_rounds > kMaxIdleRounds / 2 &&
+                        branches_.work() < kBranchWorkPerFace * patchwork_.face_count();
+                    if (!(idle_rounds > 0 ? wander(l, outward, with_branches)
+                                          : relieve(l, outward))) {
                         break;
                     }
                 }
@@ -39,6 +45,14 @@ public:
                 least = now;
                 idle_rounds = -1;
             }
+            // Branches may lead astray: from then on the best is kept.
+            if (idle_rounds == kMaxIdleRounds / 2 || (idle_rounds < 0 && !best_.cells.empty())) {
+                best_ = patchwork_;
+                least_of_best_ = now;
+            }
+        }
+        if (!best_.cells.empty() && least_of_best_ < imbalance()) {
+            patchwork_ = best_;
         }
         return least == 0;
     }
@@ -46,12 +60,13 @@ public:
 private:
     /// Rounds without progress before giving up; each searches in another order.
     static constexpr int kMaxIdleRounds = 20;
+    static constexpr int kMaxBranchFaces = 64;
+    /// Faces looked at for branches, at most.
+    static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
     /// Faces that a sub-mesh has too many or too few.
-    int deviation(int label) const {
-        const int load = patchwork_.load[label];
-        return std::max({0, load - ceiling_, floor_ - load});
-    }
+    int deviation(int label) const { return deviation_of(patchwork_.load[label]); }
+    int deviation_of(int load) const { return std::max({0, load - ceiling_, floor_ - load}); }
 
     std::int64_t imbalance() const {
         std::int64_t sum = 0;
@@ -162,23 +177,68 @@ private:
     }
 
     /// The same by a random walk: where sub-meshes have two or three faces, the first move of a
-    /// chain often forbids the next one, but there is always some other move.
-    bool wander(int label, bool outward) {
+    /// chain often forbids the next one, but there is always some other move. Where they are
+    /// narrow, whole branches pass.
+    bool wander(int label, bool outward, bool with_branches) {
         int at = label;
         for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
-            const std::vector<Arc>& ways = arcs(at, outward, [](int) { return true; });
-            if (ways.empty()) {
-                break;
+            int to = with_branches && random_.below(2) == 0 ? pass_branch(at, outward) : -1;
+            if (to < 0) {
+                const std::vector<Arc>& ways = arcs(at, outward, [](int) { return true; });
+                if (!ways.empty()) {
+                    to = ways.front().label;
+                    boundaries_.commit(ways.front().move);
+                } else if (!with_branches || (to = pass_branch(at, outward)) < 0) {
+                    break;
+                }
             }
-            const int to = ways.front().label;
-            boundaries_.commit(ways.front().move);
             at = to;
-            const int load = patchwork_.load[at];
-            if (load >= floor_ && load <= ceiling_) {
+            if (deviation(at) == 0) {
                 break;
             }
         }
         return at != label;
+    }
+
+    /// Passes a branch, drawn at random from those of up to about twice as many faces as there are
+    /// too many (or too few). Returns the sub-mesh at the other side of it; -1 when there is none.
+    int pass_branch(int label, bool outward) {
+        --searches_left_;
+        const int max_faces = std::min(kMaxBranchFaces, 2 + 2 * deviation(label));
+        int other = -1;
+        std::uint32_t count = 0;
+        chosen_.clear();
+        boundaries_.for_each_side(label, [&](int face, int c, int across) {
+            const int moving = outward ? face : patchwork_.cells[face].neighbor[c];
+            const std::vector<int>& branch =
+                branches_.find(moving, outward ? across : label, max_faces);
+            if (!branch.empty() &&
+                is_worth(static_cast<int>(branch.size()),
+                         outward ? label : across,
+                         outward ? across : label) &&
+                random_.below(++count) == 0) {
+                chosen_ = branch;
+                other = across;
+            }
+        });
+        for (int face : chosen_) {
+            Move move;
+            move.faces[0] = face;
+            move.face_count = 1;
+            move.from = outward ? label : other;
+            move.to = outward ? other : label;
+            move.weight = 1;
+            boundaries_.commit(move);
+        }
+        return other;
+    }
+
+    /// Whether to pass so many faces at once: if it brings the loads no farther from balance, and
+    /// by chance where it does.
+    bool is_worth(int face_count, int from, int to) {
+        const int rise = deviation_of(patchwork_.load[from] - face_count) +
+            deviation_of(patchwork_.load[to] + face_count) - deviation(from) - deviation(to);
+        return rise <= 0 || random_.uniform() < std::exp(-0.5 * rise);
     }
 
     bool pass(int from, int to) {
@@ -193,6 +253,10 @@ private:
     Patchwork& patchwork_;
     std::int64_t searches_left_;
     SubmeshBoundaries boundaries_;
+    Branches branches_;
+    std::vector<int> chosen_;
+    Patchwork best_;
+    std::int64_t least_of_best_ = 0;
     std::vector<int> parent_;
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bisection.h"
+#include "component.h"
 #include "measures.h"
 #include "multilevel.h"
 #include "repair.h"
@@ -21,6 +22,27 @@ struct Levels {
     CollapseHierarchy hierarchy;
     Multilevel multilevel;
 };
+
+/// What hangs together of a mesh after a share of its faces was taken out at random; the largest
+/// part of it. Keeps the positions of all vertices.
+inline TriangleMesh sieve(const TriangleMesh& from, double share, std::uint64_t seed) {
+    TriangleMesh mesh{from.positions, {}};
+    Random random(seed);
+    for (const Triangle& t : from.faces) {
+        if (random.uniform() >= share) {
+            mesh.faces.push_back(t);
+        }
+    }
+    std::vector<int> largest;
+    for (const std::vector<int>& faces : faces_of_components(build_dual_graph(mesh, 1))) {
+        largest = faces.size() > largest.size() ? faces : largest;
+    }
+    TriangleMesh result{from.positions, {}};
+    for (int f : largest) {
+        result.faces.push_back(mesh.faces[f]);
+    }
+    return result;
+}
 
 /// The finest level parted into disks by bisection, then ragged by random moves that are allowed.
 inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "branches.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+namespace {
+
+/// Which of the faces around a vertex belong to which fan of faces of one label: the number of a
+/// fan, from 1 on; 0: another label. `around` has them in order; `closed`: the first follows the
+/// last.
+int number_fans(const Patchwork& patchwork,
+                const std::vector<int>& around,
+                bool closed,
+                int label,
+                std::vector<int>& fan_of) {
+    const std::size_t count = around.size();
+    fan_of.assign(count, 0);
+    int fans = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (patchwork.label(around[i]) == label) {
+            fan_of[i] = i > 0 && fan_of[i - 1] > 0 ? fan_of[i - 1] : ++fans;
+        }
+    }
+    if (closed && fans > 1 && fan_of.front() > 0 && fan_of.back() > 0) {
+        std::replace(fan_of.begin(), fan_of.end(), fans, 1);
+        --fans;
+    }
+    return fans;
+}
+
+/// Lists the faces around a vertex in order. True when they close to a ring.
+bool list_around(const Patchwork& patchwork, int face, int corner, std::vector<int>& around) {
+    around.assign(1, face);
+    for (int exit : {corner, kPrevious[corner]}) {
+        Step step{face, corner, exit};
+        for (;;) {
+            const int next = patchwork.cells[step.face].neighbor[step.exit];
+            if (next == face) {
+                return true;
+            }
+            if (next < 0) {
+                break;
+            }
+            around.push_back(next);
+            step = step_to(patchwork, step, next);
+        }
+        std::reverse(around.begin(), around.end());
+    }
+    return false;
+}
+
+} // namespace
+
+const std::vector<int>& Branches::find(int face, int to, int max_faces) {
+    const int from = patchwork_.label(face);
+    const auto limit = static_cast<std::size_t>(max_faces);
+    branch_.clear();
+    add(face, to);
+    bool closed = false;
+    for (std::size_t before = 0; !closed && before != branch_.size();) {
+        before = branch_.size();
+        if (!close_fans(from, to, limit) || !close_parts(from, to, limit)) {
+            break;
+        }
+        closed = branch_.size() == before;
+    }
+    for (int f : branch_) {
+        patchwork_.set_label(f, from);
+    }
+    if (!closed) {
+        branch_.clear();
+    }
+    return branch_;
+}
+
+/// While the search runs its faces have the new label.
+void Branches::add(int face, int to) {
+    patchwork_.set_label(face, to);
+    branch_.push_back(face);
+}
+
+/// Adds faces until neither sub-mesh has a bowtie at a face of the branch.
+bool Branches::close_fans(int from, int to, std::size_t max_faces) {
+    for (std::size_t i = 0; i < branch_.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+            if (!close_vertex(branch_[i], c, from, to) || branch_.size() > max_faces) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool Branches::close_vertex(int face, int corner, int from, int to) {
+    const bool ring = list_around(patchwork_, face, corner, around_);
+    work_ += static_cast<std::int64_t>(around_.size());
+    std::vector<int>& fan_of = part_;
+    if (number_fans(patchwork_, around_, ring, to, fan_of) > 1) {
+        // What lies between two fans of the new sub-mesh goes to it.
+        for (int f : around_) {
+            if (patchwork_.label(f) == from) {
+                add(f, to);
+            }
+        }
+        return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
+    }
+    const int fans = number_fans(patchwork_, around_, ring, from, fan_of);
+    if (fans < 2) {
+        return true;
+    }
+    // All but the largest fan go, which brings the new one together too.
+    int largest = 1;
+    for (int fan = 2; fan <= fans; ++fan) {
+        const auto size = [&](int n) { return std::count(fan_of.begin(), fan_of.end(), n); };
+        largest = size(fan) > size(largest) ? fan : largest;
+    }
+    for (std::size_t i = 0; i < around_.size(); ++i) {
+        if (fan_of[i] > 0 && fan_of[i] != largest) {
+            add(around_[i], to);
+        }
+    }
+    return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
+}
+
+/// Adds all parts of what is left but the largest.
+bool Branches::close_parts(int from, int to, std::size_t max_faces) {
+    largest_part_.clear();
+    std::vector<int> seen;
+    std::vector<int> small;
+    for (std::size_t i = 0; i < branch_.size(); ++i) {
+        for (int neighbor : patchwork_.cells[branch_[i]].neighbor) {
+            if (neighbor < 0 || seen_[neighbor] || patchwork_.label(neighbor) != from) {
+                continue;
+            }
+            list_part(neighbor, from, part_);
+            seen.insert(seen.end(), part_.begin(), part_.end());
+            if (part_.size() > largest_part_.size()) {
+                part_.swap(largest_part_);
+            }
+            small.insert(small.end(), part_.begin(), part_.end());
+        }
+    }
+    for (int f : seen) {
+        seen_[f] = 0;
+    }
+    if (largest_part_.empty() || branch_.size() + small.size() > max_faces) {
+        return false;
+    }
+    for (int f : small) {
+        add(f, to);
+    }
+    return true;
+}
+
+void Branches::list_part(int start, int from, std::vector<int>& part) {
+    part.assign(1, start);
+    seen_[start] = 1;
+    for (std::size_t head = 0; head < part.size(); ++head) {
+        for (int neighbor : patchwork_.cells[part[head]].neighbor) {
+            if (neighbor >= 0 && !seen_[neighbor] && patchwork_.label(neighbor) == from) {
+                seen_[neighbor] = 1;
+                part.push_back(neighbor);
+            }
+        }
+    }
+    work_ += static_cast<std::int64_t>(part.size());
+}
+
+} // namespace spheroseg
