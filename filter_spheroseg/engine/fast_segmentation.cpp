@@ -6,8 +6,10 @@
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "budget.h"
 #include "exact_cut.h"
 #include "face_weights.h"
+#include "free_annealing.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"
@@ -21,33 +23,6 @@
 namespace spheroseg {
 
 namespace {
-
-/// How much work an effort is worth: proposals per boundary face and phases of each annealing.
-struct Budget {
-    int relaxations;
-    double coarse_proposals;
-    /// Instead of the former, where there is no coarse mesh.
-    double only_level_proposals;
-    double level_proposals;
-    double exchange_proposals;
-    double only_level_exchanges; // the same
-    int coarse_phases;
-    int level_phases;
-    /// Number of faces of a level over that of the next coarser one.
-    double growth;
-};
-
-Budget budget_of(Effort effort) {
-    switch (effort) {
-    case Effort::draft:
-        return {20, 60.0, 45.0, 40.0, 20.0, 15.0, 12, 6, 2.0};
-    case Effort::high:
-        return {60, 4000.0, 4000.0, 1000.0, 1000.0, 1000.0, 48, 24, 1.5};
-    case Effort::standard:
-        break;
-    }
-    return {20, 150.0, 100.0, 90.0, 30.0, 24.0, 24, 12, 2.0};
-}
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
 constexpr int kCoarseFacesPerSubmesh = 60;
@@ -234,8 +209,8 @@ private:
         return limited ? 1 : std::clamp(kTrialFaces / coarse_face_count() / 2, 1, kMaxTrials);
     }
 
-    /// Anneals several starts up to a level where edges are about equally long, and keeps the one
-    /// with the shortest boundary.
+    /// Anneals several starts up to a level where edges are about equally long, every other one
+    /// first without a care for connectedness, and keeps the one with the shortest boundary.
     Patchwork best_of_trials() {
         Patchwork best;
         std::int64_t least_edges = -1;
@@ -243,8 +218,11 @@ private:
         for (int trial = 0; trial < trial_count(); ++trial) {
             seed_ = first_seed + 0x51ED270BULL * static_cast<std::uint64_t>(trial);
             Patchwork patchwork = graph_start(0);
+            if (trial % 2 == 1) {
+                anneal_trial(patchwork, true);
+            }
             const int forced = repair(patchwork);
-            anneal_trial(patchwork);
+            anneal_trial(patchwork, false);
             const std::int64_t edges = count_boundary_edges(patchwork, options_.thread_count) +
                 (forced > 0 ? std::int64_t{1} << 40 : 0);
             if (least_edges < 0 || edges < least_edges) {
@@ -260,14 +238,19 @@ private:
         return best;
     }
 
-    void anneal_trial(Patchwork& patchwork) {
+    /// Up to the level of the trials.
+    void anneal_trial(Patchwork& patchwork, bool freely) {
         const Deadline watch;
         AnnealSchedule schedule = coarse_schedule();
         AnnealControl unrecorded;
         unrecorded.deadline = &deadline_;
         for (;;) {
             set_balance(schedule, patchwork, 0.5, 1.5);
-            anneal(patchwork, schedule, unrecorded);
+            if (freely) {
+                anneal_freely(patchwork, schedule, deadline_);
+            } else {
+                anneal(patchwork, schedule, unrecorded);
+            }
             continue_schedule(schedule);
             if (patchwork.face_count() >= std::min(kTrialFaces, component_.face_count())) {
                 break;

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace spheroseg {
 namespace {
 
@@ -44,6 +47,57 @@ TEST(Fast, EveryKOnNarrowTubesIsValid) {
         for (int k = 1; k <= mesh.face_count() / 2; ++k) {
             EXPECT_TRUE(segment(prepared, fast_options(k, Effort::draft)).measures.is_valid())
                 << mesh.face_count() << " faces, k " << k;
+        }
+    }
+}
+
+/// An open tube of `rings` rings of three squares, two triangles each.
+TriangleMesh tube_of_squares(int rings) {
+    TriangleMesh mesh;
+    for (int i = 0; i < 3 * (rings + 1); ++i) {
+        mesh.positions.push_back({std::cos(i % 3 * 2.1), std::sin(i % 3 * 2.1), 1.0 * (i / 3)});
+    }
+    for (int r = 0; r < rings; ++r) {
+        for (int i = 0; i < 3; ++i) {
+            const int a = 3 * r + i;
+            const int b = 3 * r + (i + 1) % 3;
+            mesh.faces.push_back({a, b, b + 3});
+            mesh.faces.push_back({a, b + 3, a + 3});
+        }
+    }
+    return mesh;
+}
+
+/// The shortest boundary of k rings of equal loads, up to one, on that tube: a cut between two
+/// rings of squares has three edges, and each face beyond that adds or saves edges.
+int shortest_rings(int face_count, int k) {
+    constexpr int kEdges[6] = {3, 4, 5, 4, 5, 4};
+    const int larger_count = face_count % k;
+    std::vector<int> least(larger_count + 1, 1 << 30);
+    least[0] = 0;
+    for (int i = 1; i <= k; ++i) {
+        for (int larger = std::min(i, larger_count); larger >= 0; --larger) {
+            const int before = std::min(least[larger], larger > 0 ? least[larger - 1] : 1 << 30);
+            const int end = face_count / k * i + larger;
+            const bool too_few = i - larger > k - larger_count;
+            least[larger] = too_few ? 1 << 30 : before + (i < k ? kEdges[end % 6] : 0);
+        }
+    }
+    return least[larger_count];
+}
+
+TEST(Fast, TubesAreCutAlmostAsShortAsTheBalanceAllows) {
+    EXPECT_EQ(shortest_rings(12, 2), 3);
+    EXPECT_EQ(shortest_rings(14, 2), 4);
+    EXPECT_EQ(shortest_rings(12, 3), 10);
+    for (int rings : {200, 400, 701}) {
+        const TriangleMesh mesh = tube_of_squares(rings);
+        PreparedMesh prepared(mesh, 1);
+        for (int k : {2, 3, 4, 5, 7, 10, 15, 20}) {
+            const Measures measures = segment(prepared, fast_options(k)).measures;
+            EXPECT_TRUE(measures.is_valid());
+            EXPECT_LE(measures.boundary_edge_count, 1.1 * shortest_rings(mesh.face_count(), k))
+                << rings << " rings, k " << k;
         }
     }
 }

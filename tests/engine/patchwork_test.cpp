@@ -4,6 +4,8 @@
 #include "anneal.h"
 #include "balance.h"
 #include "bisection.h"
+#include "boundary.h"
+#include "free_annealing.h"
 #include "patchwork_meshes.h"
 #include "relaxation.h"
 
@@ -288,6 +290,51 @@ TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
         }
         EXPECT_EQ(labels, reference) << threads << " threads";
     }
+}
+
+TEST(FreeAnnealing, FindsTheWayThroughAHole) {
+    // A strip of 24 x 8 squares with a hole of 4 x 4 in its middle, which leaves bridges of two: 4
+    // edges part the halves there. The start is a straight cut of 8 edges beside the hole; moves
+    // that keep both sides connected can only push it along one side of the hole.
+    TriangleMesh mesh = open_grid(24);
+    std::vector<Triangle> kept;
+    std::vector<int> labels;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const int x = f / 2 % 24;
+        const int y = f / 2 / 24;
+        if (y < 8 && (x < 10 || x >= 14 || y < 2 || y >= 6)) {
+            kept.push_back(mesh.faces[f]);
+            labels.push_back(x >= 8);
+        }
+    }
+    mesh.faces = kept;
+    const Levels levels(mesh);
+    Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), 2);
+    levels.multilevel.set_labels(patchwork, labels);
+    Patchwork bound = patchwork;
+    AnnealSchedule schedule = schedule_of(2000, 1);
+    schedule.balance_weight_begin = 0.5 / mean_load(patchwork);
+    schedule.balance_weight_end = 1.5 / mean_load(patchwork);
+    anneal_freely(patchwork, schedule, Deadline());
+    anneal(bound, schedule, {});
+    EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
+    EXPECT_EQ(repair(patchwork), 0);
+    EXPECT_LE(measures_of(levels, patchwork).boundary_edge_count, 5);
+    EXPECT_GE(measures_of(levels, bound).boundary_edge_count, 7);
+}
+
+TEST(FreeAnnealing, LeavesNoSubmeshEmptyAndRepeats) {
+    const Levels levels(torus(20, 10));
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 60);
+    bisect(patchwork, 60, 1, 1);
+    Patchwork again = patchwork;
+    AnnealSchedule schedule = schedule_of(300, 1);
+    schedule.temperature_begin = 3.0;
+    anneal_freely(patchwork, schedule, Deadline());
+    EXPECT_GE(*std::min_element(patchwork.load.begin(), patchwork.load.end()), 1);
+    EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
+    anneal_freely(again, schedule, Deadline());
+    EXPECT_EQ(levels.multilevel.labels(again), levels.multilevel.labels(patchwork));
 }
 
 TEST(Anneal, ClosesRingsAroundALimbOnlyWhereItMay) {
