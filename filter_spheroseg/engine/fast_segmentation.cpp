@@ -37,7 +37,7 @@ constexpr int kMaxStarts = 6;
 constexpr int kMinFacesToSort = 30000;
 /// Level at which trials of the first start are compared, and the most trials.
 constexpr int kTrialFaces = 4000;
-constexpr int kMaxTrials = 6;
+constexpr int kMaxTrials = 8;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
