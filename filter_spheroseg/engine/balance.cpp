@@ -2,6 +2,7 @@
 #include "balance.h"
 
 #include "branches.h"
+#include "planned_chain.h"
 #include "random.h"
 #include "submesh_boundaries.h"
 
@@ -17,38 +18,35 @@ public:
     Balancer(Patchwork& patchwork, std::int64_t max_searches)
         : patchwork_(patchwork), searches_left_(max_searches), boundaries_(patchwork),
           branches_(patchwork), parent_(patchwork.submesh_count(), -1),
-          arc_of_(patchwork.submesh_count(), -1) {
-        floor_ = patchwork.face_count() / patchwork.submesh_count();
-        ceiling_ = floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0);
-    }
+          arc_of_(patchwork.submesh_count(), -1),
+          floor_(patchwork.face_count() / patchwork.submesh_count()),
+          ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
+          chain_(patchwork, boundaries_, floor_, ceiling_) {}
 
     bool run() {
         std::int64_t least = imbalance();
+        bool by_plan = false;
         for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds && searches_left_ > 0;
              ++idle_rounds) {
-            for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-                // A chain that breaks leaves its face on the way, so the same label may be off
-                // again: no more tries than it had faces too many or too few.
-                for (int left = deviation(l); left > 0 && deviation(l) > 0 && searches_left_ > 0;
-                     --left) {
-                    const bool outward = patchwork_.load[l] > ceiling_;
-                    const bool with_branches = idle_rounds > kMaxIdleRounds / 2 &&
-                        branches_.work() < kBranchWorkPerFace * patchwork_.face_count();
-                    if (!(idle_rounds > 0 ? wander(l, outward, with_branches)
-                                          : relieve(l, outward))) {
-                        break;
-                    }
-                }
+            if (idle_rounds == 1) {
+                // What follows may lead astray.
+                best_ = patchwork_;
+                least_of_best_ = imbalance();
+            }
+            if (idle_rounds > kMaxIdleRounds / 2) {
+                for_each_off([&](int label, bool outward) { return wander(label, outward); });
+            } else if (by_plan) {
+                shake(idle_rounds);
+                follow_plans();
+            } else {
+                for_each_off([&](int label, bool outward) { return relieve(label, outward); });
             }
             const std::int64_t now = imbalance();
+            // Where many chains break, planning them costs more and pays.
+            by_plan = by_plan || 2 * now > least;
             if (now < least) {
                 least = now;
                 idle_rounds = -1;
-            }
-            // Branches may lead astray: from then on the best is kept.
-            if (idle_rounds == kMaxIdleRounds / 2 || (idle_rounds < 0 && !best_.cells.empty())) {
-                best_ = patchwork_;
-                least_of_best_ = now;
             }
         }
         if (!best_.cells.empty() && least_of_best_ < imbalance()) {
@@ -63,6 +61,56 @@ private:
     static constexpr int kMaxBranchFaces = 64;
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
+
+    /// A plan that meets so many sides and no end has met all that can be reached.
+    static constexpr std::int64_t kLargePlan = 1000;
+
+    /// Calls `pass(label, outward)` for the sub-meshes that are off, as long as it answers true. A
+    /// chain that breaks leaves its face on the way, so the same label may be off again: no more
+    /// tries than it had faces too many or too few.
+    template <typename Pass> void for_each_off(Pass pass) {
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            for (int left = deviation(l); left > 0 && deviation(l) > 0 && searches_left_ > 0;
+                 --left) {
+                if (!pass(l, patchwork_.load[l] > ceiling_)) {
+                    break;
+                }
+            }
+        }
+    }
+
+    void follow_plans() {
+        bool shut_in = false;
+        for_each_off([&](int label, bool outward) {
+            if (shut_in) {
+                return false;
+            }
+            const bool moved = chain_.follow(label, outward, random_);
+            searches_left_ -= chain_.searches();
+            shut_in = !moved && chain_.searches() > kLargePlan;
+            return moved;
+        });
+    }
+
+    /// Passes random faces, `times` each, out of the neighbours of the sub-meshes that are off:
+    /// they could give or take none as they were.
+    void shake(int times) {
+        std::vector<int> neighbors;
+        for (int l = 0; times > 0 && l < patchwork_.submesh_count(); ++l) {
+            if (deviation(l) > 0) {
+                boundaries_.for_each_side(
+                    l, [&](int, int, int across) { neighbors.push_back(across); });
+            }
+        }
+        for (int label : neighbors) {
+            for (int i = 0; i < times; ++i) {
+                const std::vector<Arc>& ways = arcs(label, true, [](int) { return true; });
+                if (!ways.empty()) {
+                    boundaries_.commit(Move(ways.front().move));
+                }
+            }
+        }
+    }
 
     /// Faces that a sub-mesh has too many or too few.
     int deviation(int label) const { return deviation_of(patchwork_.load[label]); }
@@ -100,18 +148,12 @@ private:
             if (!is_wanted(across)) {
                 return;
             }
-            Move move;
-            int moving = face;
-            int corner = c;
-            if (!outward) {
-                moving = patchwork_.cells[face].neighbor[c];
-                const Cell& cell = patchwork_.cells[moving];
-                corner = cell.neighbor[0] == face ? 0 : (cell.neighbor[1] == face ? 1 : 2);
-            }
+            const Side side = passing_side(patchwork_, face, c, outward);
             const int at = arc_of_[across];
-            if (describe_single(patchwork_, moving, corner, move) &&
+            Move move;
+            if (describe_single(patchwork_, side.face, side.corner, move) &&
                 (at < 0 || move.boundary_change < arcs_[at].move.boundary_change) &&
-                single_is_allowed(patchwork_, moving, corner, move)) {
+                single_is_allowed(patchwork_, side.face, side.corner, move)) {
                 keep_best(move, across);
             }
         });
@@ -176,10 +218,9 @@ private:
         return outward ? ceiling_ - load : load - floor_;
     }
 
-    /// The same by a random walk: where sub-meshes have two or three faces, the first move of a
-    /// chain often forbids the next one, but there is always some other move. Where they are
-    /// narrow, whole branches pass.
-    bool wander(int label, bool outward, bool with_branches) {
+    /// The same by a random walk; where sub-meshes are narrow, whole branches pass.
+    bool wander(int label, bool outward) {
+        const bool with_branches = branches_.work() < kBranchWorkPerFace * patchwork_.face_count();
         int at = label;
         for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
             int to = with_branches && random_.below(2) == 0 ? pass_branch(at, outward) : -1;
@@ -261,8 +302,9 @@ private:
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;
     std::vector<int> queue_;
-    int floor_ = 0;
-    int ceiling_ = 0;
+    const int floor_;
+    const int ceiling_;
+    PlannedChain chain_;
     Random random_{0x62616c616e6365ULL};
 };
 

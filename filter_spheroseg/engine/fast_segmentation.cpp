@@ -407,7 +407,7 @@ private:
                 balance_exactly(patchwork, 20 * static_cast<std::int64_t>(patchwork.face_count()));
         }
         // Far more than is ever needed where it can be done.
-        const std::int64_t max_searches = 50 * static_cast<std::int64_t>(patchwork.face_count());
+        const std::int64_t max_searches = 100 * static_cast<std::int64_t>(patchwork.face_count());
         bool balanced = balance_exactly(patchwork, max_searches);
         for (int i = 0; i < kBalanceTries && !balanced; ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.

@@ -243,6 +243,19 @@ TEST(Balance, EverySubmeshHoldsFloorOrCeilingFacesOrItSaysSo) {
     }
 }
 
+TEST(Patchwork, ExactBalanceOfTwoOrThreeFacesEachNeedsNoAnnealing) {
+    const Levels levels(displaced_sphere(4));
+    const int face_count = levels.mesh.face_count();
+    // A chain of passes breaks at nearly every sub-mesh here, unless each is planned.
+    for (int k : {face_count / 2, 2 * face_count / 5, 5 * face_count / 16, face_count / 4}) {
+        for (std::uint64_t seed : {1, 2, 3}) {
+            Patchwork patchwork = ragged_patchwork(levels, k, seed);
+            EXPECT_TRUE(balance_exactly(patchwork, 100 * face_count)) << k << ", seed " << seed;
+            EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
+        }
+    }
+}
+
 AnnealSchedule schedule_of(double proposals, int thread_count) {
     AnnealSchedule schedule;
     schedule.proposals_per_face = proposals;
