@@ -14,6 +14,8 @@ constexpr int kFree = -1;
 /// Further searches after the first one, in other orders, and the part of the steps that each gets.
 constexpr int kFurtherSearches = 20;
 constexpr int kStepDivisor = 5;
+/// Larger sub-meshes, where a search is nearly hopeless, use the steps up sooner.
+constexpr int kFacesPerStep = 8;
 
 class ExactCut {
 public:
@@ -107,7 +109,9 @@ private:
                 place_submesh(label + 1);
         }
         while (!frontier.empty()) {
-            if (--steps_left_ < 0) {
+            steps_left_ -=
+                1 + static_cast<int>((frontier.size() + excluded.size()) / kFacesPerStep);
+            if (steps_left_ < 0) {
                 return false;
             }
             // Dead ends first: they can go with no other sub-mesh.

@@ -13,8 +13,9 @@ constexpr int kMaxSearchSteps = 20000;
 /// bowties of `least` to `most` faces each, by a search with backtracking: sub-mesh after sub-mesh
 /// around the face with the fewest free neighbours, such that what is left over can still be
 /// parted. Meant for surfaces whose dual graph is nearly a tree, where moves along boundaries get
-/// stuck. Gives up after `max_steps` faces were placed, and after 20 more searches in other orders
-/// of a fifth of that each; then it returns false and the labels mean nothing. Deterministic.
+/// stuck. Gives up after `max_steps` faces were placed (fewer where many others could have been),
+/// and after 20 more searches in other orders of a fifth of that each; then it returns false and
+/// the labels mean nothing. Deterministic.
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps);
 
 } // namespace spheroseg
