@@ -92,7 +92,7 @@ fuzz: setup
 	$(PYTHON) tests/fuzz/corpus.py unpack tests/fuzz/corpus.txt out/fuzz/corpus
 	OMP_WAIT_POLICY=passive LSAN_OPTIONS=suppressions=tests/engine/lsan.supp \
 		build/fuzz/tests/fuzz/segment_fuzzer out/fuzz/corpus -artifact_prefix=out/fuzz/ \
-		-max_len=200 -timeout=60 -max_total_time=$(FUZZ_SECONDS) $(FUZZ_ARGUMENTS)
+		-max_len=200 -timeout=120 -max_total_time=$(FUZZ_SECONDS) $(FUZZ_ARGUMENTS)
 
 test-plugin: setup
 	cmake --preset plugin -DSPHEROSEG_WERROR=ON -DSPHEROSEG_BUILD_ADAPTER_TESTS=ON
