@@ -1,74 +1,214 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "anneal.h"
 
+#include "parallel_failure.h"
 #include "phases.h"
+#include "threads.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace spheroseg {
 
 namespace {
 
-/// Anneals the boundaries among the labels of one group.
-class GroupAnnealer {
+/// Faces of each label that may lie beside another sub-mesh: some have left it, or are there twice.
+class PartnerLists {
 public:
-    GroupAnnealer(Patchwork& patchwork,
-                  BoundaryFaces& boundary,
-                  Grouping& grouping,
-                  int group,
-                  const Phase& phase)
-        : patchwork_(patchwork), balance_weight_(phase.balance_weight),
-          source_(patchwork, boundary, grouping, group, phase) {}
+    explicit PartnerLists(int submesh_count) : lists_(submesh_count) {}
 
-    std::int64_t run() {
-        for (auto left = source_.proposal_count(); left > 0 && !source_.exhausted(); --left) {
-            ProposalSource::Proposal proposal;
-            if (!source_.draw(proposal)) {
-                continue;
-            }
-            if (proposal.as_fan) {
-                propose_fan(proposal);
-            } else {
-                propose_single(proposal);
-            }
+    /// Begins the lists of a group's labels with its boundary faces.
+    void begin(const Patchwork& patchwork, const std::vector<int>& faces) {
+        for (int f : faces) {
+            lists_[patchwork.label(f)].faces.clear();
         }
-        return change_;
+        for (int f : faces) {
+            lists_[patchwork.label(f)].faces.push_back(f);
+        }
+        for (int f : faces) {
+            List& list = lists_[patchwork.label(f)];
+            list.capacity = partner_capacity(list.faces.size());
+        }
+    }
+
+    std::vector<int>& operator[](int label) { return lists_[label].faces; }
+    void add(int label, int face) {
+        if (lists_[label].faces.size() < lists_[label].capacity) {
+            lists_[label].faces.push_back(face);
+        }
     }
 
 private:
-    double cost(const Move& move) const {
-        // Change of the sum of squared loads of the two sub-meshes.
-        const double change =
-            2.0 * move.weight * (source_.load(move.to) - source_.load(move.from) + move.weight);
-        return move.boundary_change + balance_weight_ * change;
+    struct List {
+        std::vector<int> faces;
+        std::size_t capacity = 0;
+    };
+    std::vector<List> lists_;
+};
+
+/// What the groups of a phase are made of.
+struct Work {
+    Patchwork& patchwork;
+    Grouping& grouping;
+    BoundaryFaces& boundary;
+    PartnerLists* partners; // null without
+};
+
+/// The `Group` of group_moves.h on one core.
+class CoreGroup {
+public:
+    CoreGroup(const Work& work, int group, const Phase& phase)
+        : patchwork_(work.patchwork), grouping_(work.grouping), boundary_(work.boundary),
+          partners_(work.partners), group_(group), rules_{work.grouping.group_of_label().data(),
+                                                          exponential_quantiles().data(),
+                                                          group,
+                                                          phase.temperature},
+          faces_(std::move(work.grouping.faces(group))),
+          proposal_count_(phase.proposal_count(faces_.size())),
+          random_(phase.seed, static_cast<std::uint64_t>(group)) {
+        if (partners_) {
+            partners_->begin(patchwork_, faces_);
+        }
+    }
+    ~CoreGroup() { grouping_.faces(group_) = std::move(faces_); }
+    CoreGroup(const CoreGroup&) = delete;
+    CoreGroup& operator=(const CoreGroup&) = delete;
+
+    /// Makes all proposals of the phase; returns the change of the number of boundary edges.
+    template <typename Loads> std::int64_t anneal(const Loads& loads) {
+        std::int64_t change = 0;
+        for (auto left = proposal_count_; left > 0 && !faces_.empty(); --left) {
+            Proposal proposal;
+            Fan fan;
+            if (draw(proposal) && loads.wants(*this, proposal, fan)) {
+                change += loads.make(*this, proposal, fan);
+            }
+        }
+        return change;
     }
 
-    void propose_single(const ProposalSource::Proposal& proposal) {
-        Move move;
-        if (describe_single(patchwork_, proposal.face, proposal.corner, move) &&
-            cost(move) <= proposal.allowance &&
-            single_is_allowed(patchwork_, proposal.face, proposal.corner, move)) {
-            accept(move);
+    const Patchwork& patches() const { return patchwork_; }
+    int load(int label) const { return grouping_.load(label); }
+    Random& random() { return random_; }
+
+    void apply(const Move& move) { relabel(move, move.from, move.to); }
+    void undo(const Move& move) { relabel(move, move.to, move.from); }
+    /// Lists the faces that came to the boundary when a move was made.
+    void list(const Move& move) {
+        for (int i = 0; i < move.face_count; ++i) {
+            boundary_.list_neighbors(patchwork_, move.faces[i], move.from, faces_);
         }
     }
 
-    void propose_fan(const ProposalSource::Proposal& proposal) {
-        Fan fan;
-        if (describe_fan(patchwork_, proposal.face, proposal.corner, proposal.forward, fan) &&
-            cost(fan.move) <= proposal.allowance && fan_is_allowed(patchwork_, fan)) {
-            accept(fan.move);
+    int partner_count(int label) const { return static_cast<int>((*partners_)[label].size()); }
+    int partner(int label, int index) const { return (*partners_)[label][index]; }
+    void drop_partner(int label, int index) { drop((*partners_)[label], index); }
+    void add_partner(int label, int face) { partners_->add(label, face); }
+
+private:
+    bool draw(Proposal& proposal) {
+        const std::uint64_t bits = random_.next();
+        const int index = index_of(bits, static_cast<int>(faces_.size()));
+        const Drawn drawn = draw_proposal(patchwork_, rules_, faces_[index], bits, proposal);
+        if (drawn == Drawn::stale) {
+            boundary_.unlist(faces_[index]);
+            drop(faces_, index);
         }
+        return drawn == Drawn::proposal;
     }
 
-    void accept(const Move& move) {
-        source_.apply(move);
-        source_.list(move);
-        change_ += move.boundary_change;
+    static void drop(std::vector<int>& list, int index) {
+        list[index] = list.back();
+        list.pop_back();
+    }
+
+    void relabel(const Move& move, int from, int to) {
+        for (int i = 0; i < move.face_count; ++i) {
+            patchwork_.set_label(move.faces[i], to);
+        }
+        grouping_.load(from) -= move.weight;
+        grouping_.load(to) += move.weight;
     }
 
     Patchwork& patchwork_;
-    const double balance_weight_;
-    ProposalSource source_;
-    std::int64_t change_ = 0;
+    Grouping& grouping_;
+    BoundaryFaces& boundary_;
+    PartnerLists* const partners_;
+    const int group_;
+    const GroupRules rules_;
+    std::vector<int> faces_;
+    const std::int64_t proposal_count_;
+    Random random_;
 };
+
+template <typename Loads>
+std::int64_t run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threads) {
+    const std::vector<int> groups = work.grouping.largest_first();
+    const auto group_count = static_cast<int>(groups.size());
+    std::int64_t change = 0;
+    ParallelFailure failure;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)
+    for (int i = 0; i < group_count; ++i) {
+        failure.guard([&] { change += CoreGroup(work, groups[i], phase).anneal(loads); });
+    }
+    failure.rethrow();
+    return change;
+}
+
+/// From `begin` to `end` in equal ratios, with `at` from 0 to 1.
+double geometric(double begin, double end, double at) {
+    return begin * std::pow(end / begin, at);
+}
+
+/// Runs the phases of a schedule: new groups of labels in each, all groups in parallel.
+/// `loads_at(x)` gives the rule for the loads, with x from 0 to 1 over the phases.
+template <typename LoadsAt>
+void run_phases(Patchwork& patchwork,
+                const AnnealSchedule& schedule,
+                const AnnealControl& control,
+                const char* step,
+                PartnerLists* partners,
+                LoadsAt loads_at) {
+    const int threads = resolve_thread_count(schedule.thread_count);
+    BoundaryFaces boundary(patchwork, threads);
+    std::int64_t edges = count_boundary_edges(patchwork, threads);
+    Grouping grouping;
+    const Work work{patchwork, grouping, boundary, partners};
+    const std::unique_ptr<DeviceGroups> on_device =
+        control.device ? control.device->begin_groups(patchwork) : nullptr;
+    const int phases = std::max(1, schedule.phase_count);
+    for (int p = 0; p < phases; ++p) {
+        if (p >= control.max_phases || (control.deadline && control.deadline->expired())) {
+            return;
+        }
+        report_progress(control.progress, static_cast<double>(p) / phases, step);
+        const Deadline watch;
+        const double at = phases > 1 ? static_cast<double>(p) / (phases - 1) : 1.0;
+        Phase phase;
+        phase.temperature = geometric(schedule.temperature_begin, schedule.temperature_end, at);
+        phase.proposals_per_face = schedule.proposals_per_face / phases;
+        phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
+        const auto loads = loads_at(at);
+
+        grouping.regroup(patchwork, boundary, phase.seed, threads);
+        edges += on_device ? on_device->run(phase, loads, patchwork, grouping, boundary)
+                           : run_on_cores(work, phase, loads, threads);
+        grouping.collect(patchwork, boundary);
+        if (control.boundary_edges) {
+            control.boundary_edges->push_back(static_cast<double>(edges));
+            control.seconds->push_back(watch.elapsed_seconds());
+        }
+    }
+}
+
+void anneal_within(Patchwork& patchwork,
+                   const AnnealSchedule& schedule,
+                   const AnnealControl& control,
+                   const BoundedLoads& range) {
+    PartnerLists partners(patchwork.submesh_count());
+    run_phases(patchwork, schedule, control, "Exchanges", &partners, [&](double) { return range; });
+}
 
 } // namespace
 
@@ -76,18 +216,33 @@ void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealCo
     if (patchwork.submesh_count() < 2) {
         return;
     }
-    double total_load = 0.0;
-    for (int load : patchwork.load) {
-        total_load += load;
+    const double total_load = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
+    const double face_weight = total_load / patchwork.face_count();
+    run_phases(patchwork, schedule, control, "Refinement", nullptr, [&](double at) {
+        const double weight =
+            geometric(schedule.balance_weight_begin, schedule.balance_weight_end, at);
+        return FreeLoads{weight / (face_weight * face_weight)};
+    });
+}
+
+void anneal_balanced(Patchwork& patchwork,
+                     const AnnealSchedule& schedule,
+                     const AnnealControl& control) {
+    const int submesh_count = patchwork.submesh_count();
+    if (submesh_count > 1) {
+        const int floor = patchwork.face_count() / submesh_count;
+        const int ceiling = floor + (patchwork.face_count() % submesh_count != 0);
+        anneal_within(patchwork, schedule, control, {floor, ceiling});
     }
-    run_phases(patchwork,
-               schedule,
-               total_load / patchwork.face_count(),
-               control,
-               "Refinement",
-               [&](Grouping& grouping, BoundaryFaces& boundary, int group, const Phase& phase) {
-                   return GroupAnnealer(patchwork, boundary, grouping, group, phase).run();
-               });
+}
+
+void anneal_below(Patchwork& patchwork,
+                  int limit,
+                  const AnnealSchedule& schedule,
+                  const AnnealControl& control) {
+    if (patchwork.submesh_count() > 1) {
+        anneal_within(patchwork, schedule, control, {0, limit});
+    }
 }
 
 } // namespace spheroseg

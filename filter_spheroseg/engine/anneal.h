@@ -6,6 +6,8 @@
 
 namespace spheroseg {
 
+class AnnealDevice;
+
 /// Simulated annealing of the boundaries (Kirkpatrick, Gelatt, Vecchi: Optimization by Simulated
 /// Annealing, 1983). The energy is the number of boundary edges plus, for every sub-mesh,
 /// balance_weight * ((load - mean load) / mean face weight)^2.
@@ -30,6 +32,8 @@ struct AnnealControl {
     /// At most so many phases of the schedule are run.
     int max_phases = 1 << 30;
     Progress progress;
+    /// May be null. Anneals the groups instead of the cores, with the same result.
+    AnnealDevice* device = nullptr;
     /// May be null. One entry per phase is appended: boundary edges of the patchwork, seconds.
     std::vector<double>* boundary_edges = nullptr;
     std::vector<double>* seconds = nullptr;
@@ -38,7 +42,7 @@ struct AnnealControl {
 /// Moves faces between neighbouring sub-meshes; all stay connected and free of bowties. In each
 /// phase the sub-meshes are parted into groups of neighbours, other ones every time; the groups
 /// are worked on in parallel, and the result does not depend on the number of threads.
-/// Throws Cancelled when the progress callback asks for it.
+/// Throws Cancelled when the progress callback asks for it, DeviceError when a device fails.
 void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealControl& control);
 
 /// Annealing at exact balance, on a patchwork of unit weights whose loads differ by at most one: a

@@ -33,7 +33,7 @@ int number_fans(const Patchwork& patchwork,
 /// Lists the faces around a vertex in order. True when they close to a ring.
 bool list_around(const Patchwork& patchwork, int face, int corner, std::vector<int>& around) {
     around.assign(1, face);
-    for (int exit : {corner, kPrevious[corner]}) {
+    for (int exit : {corner, previous_corner(corner)}) {
         Step step{face, corner, exit};
         for (;;) {
             const int next = patchwork.cells[step.face].neighbor[step.exit];

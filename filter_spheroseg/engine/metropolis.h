@@ -4,30 +4,23 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 namespace spheroseg {
 
-/// Quantiles of the exponential distribution. A move that costs at most
-/// temperature * quantile(random bits) is accepted: the Metropolis rule, random number first.
-class ExponentialQuantiles {
-public:
-    static constexpr int kBits = 12;
+constexpr int kQuantileCount = 1 << 12;
 
-    static const ExponentialQuantiles& get() {
-        static const ExponentialQuantiles table;
-        return table;
-    }
-    double operator()(std::uint64_t bits) const { return values_[bits & ((1U << kBits) - 1)]; }
-
-private:
-    ExponentialQuantiles() {
-        for (std::size_t i = 0; i < values_.size(); ++i) {
-            const double u = (static_cast<double>(i) + 0.5) / static_cast<double>(values_.size());
-            values_[i] = static_cast<float>(-std::log(u));
+/// Quantiles of the exponential distribution. A move that costs at most temperature * a random one
+/// of them is accepted: the Metropolis rule, random number first.
+inline const std::array<float, kQuantileCount>& exponential_quantiles() {
+    static const std::array<float, kQuantileCount> quantiles = [] {
+        std::array<float, kQuantileCount> values;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const double u = (static_cast<double>(i) + 0.5) / kQuantileCount;
+            values[i] = static_cast<float>(-std::log(u));
         }
-    }
-    std::array<float, 1 << kBits> values_;
-};
+        return values;
+    }();
+    return quantiles;
+}
 
 } // namespace spheroseg

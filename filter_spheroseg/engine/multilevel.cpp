@@ -145,7 +145,7 @@ int Multilevel::undo_side(Patchwork& patchwork, int step, bool first) const {
     const int added = patchwork.face_count();
     std::vector<Cell>& cells = patchwork.cells;
     const int corner = corner_of(cells[heir], target);
-    int& side = cells[heir].neighbor[first ? corner : kPrevious[corner]];
+    int& side = cells[heir].neighbor[first ? corner : previous_corner(corner)];
     const int beyond = side;
     side = added;
     cells[heir].weight -= weight_[face];

@@ -7,6 +7,13 @@
 
 namespace spheroseg {
 
+template bool no_label_around(const Patchwork&, int, int, int);
+template bool all_label_around(const Patchwork&, int, int, int);
+template bool describe_single(const Patchwork&, int, int, Move&);
+template bool single_is_allowed(const Patchwork&, int, int, const Move&);
+template bool describe_fan(const Patchwork&, int, int, bool, Fan&);
+template bool fan_is_allowed(const Patchwork&, const Fan&);
+
 bool may_join(const Patchwork& patchwork, int face, int to) {
     int edges = 0;
     int corner = 0;
@@ -16,116 +23,8 @@ bool may_join(const Patchwork& patchwork, int face, int to) {
             corner = c;
         }
     }
-    return edges >= 2 || (edges == 1 && no_label_around(patchwork, face, kPrevious[corner], to));
-}
-
-bool describe_single(const Patchwork& patchwork, int face, int corner, Move& move) {
-    const Cell& cell = patchwork.cells[face];
-    const int from = patchwork.label(face);
-    const int to = patchwork.label_across(cell, corner);
-    if (to < 0 || to == from) {
-        return false;
-    }
-    const int other[2] = {patchwork.label_across(cell, kNext[corner]),
-                          patchwork.label_across(cell, kPrevious[corner])};
-    const int from_edges = (other[0] == from) + (other[1] == from);
-    const int to_edges = 1 + (other[0] == to) + (other[1] == to);
-    if (from_edges == 0) {
-        return false;
-    }
-    move.faces[0] = face;
-    move.face_count = 1;
-    move.from = from;
-    move.to = to;
-    move.boundary_change = from_edges - to_edges;
-    move.weight = cell.weight;
-    return true;
-}
-
-bool single_is_allowed(const Patchwork& patchwork, int face, int corner, const Move& move) {
-    // from_edges - to_edges: (1, 2) always keeps both; (2, 1) needs the opposite vertex inside
-    // `from`, which then has no face of `to`; (1, 1) only needs no face of `to` there.
-    if (move.boundary_change < 0) {
-        return true;
-    }
-    const int opposite = kPrevious[corner];
-    return move.boundary_change == 0 ? no_label_around(patchwork, face, opposite, move.to)
-                                     : all_label_around(patchwork, face, opposite, move.from);
-}
-
-bool describe_fan(const Patchwork& patchwork, int face, int corner, bool forward, Fan& fan) {
-    const int label = patchwork.label(face);
-    Move& move = fan.move;
-    move.from = label;
-    move.to = patchwork.label_across(patchwork.cells[face], corner);
-    if (move.to < 0 || move.to == label) {
-        return false;
-    }
-    move.face_count = 0;
-    move.weight = 0;
-    int change = -1;
-    Step step =
-        forward ? Step{face, kNext[corner], kNext[corner]} : Step{face, corner, kPrevious[corner]};
-    for (;;) {
-        if (move.face_count == Move::kMaxFaces) {
-            return false;
-        }
-        const Cell& cell = patchwork.cells[step.face];
-        fan.steps[move.face_count] = step;
-        move.faces[move.face_count++] = step.face;
-        move.weight += cell.weight;
-        const int outside = patchwork.label_across(cell, kNext[step.at]);
-        change += (outside == label) - (outside == move.to);
-        const int next = cell.neighbor[step.exit];
-        const int next_label = next < 0 ? -2 : patchwork.label(next);
-        if (next_label != label) {
-            change -= next_label == move.to;
-            break;
-        }
-        step = step_to(patchwork, step, next);
-    }
-    move.boundary_change = change;
-    return true;
-}
-
-bool fan_is_allowed(const Patchwork& patchwork, const Fan& fan) {
-    const Move& move = fan.move;
-    // What is left of `from` must touch the fan in one run of edges, whose inner vertices lie
-    // inside `from`; `to` may touch a vertex of the ring only next to the fan. Where `to` touches
-    // the fan in two runs it closes to a ring.
-    int runs = 0;
-    bool previous_from = false;
-    bool previous_to = true;
-    int to_runs = 1;
-    for (int i = 0; i < move.face_count; ++i) {
-        const Step& step = fan.steps[i];
-        const int outside = patchwork.label_across(patchwork.cells[step.face], kNext[step.at]);
-        const bool touches_from = outside == move.from;
-        const bool touches_to = outside == move.to;
-        if (touches_from && !previous_from && ++runs > 1) {
-            return false;
-        }
-        if (touches_from && previous_from &&
-            !all_label_around(patchwork, step.face, step.from(), move.from)) {
-            return false;
-        }
-        if (!touches_to && !previous_to && !(touches_from && previous_from) &&
-            !no_label_around(patchwork, step.face, step.from(), move.to)) {
-            return false;
-        }
-        to_runs += touches_to && !previous_to;
-        previous_from = touches_from;
-        previous_to = touches_to;
-    }
-    const Step& last = fan.steps[move.face_count - 1];
-    const bool ends_at_to =
-        patchwork.label_across(patchwork.cells[last.face], last.exit) == move.to;
-    if (!previous_to && !ends_at_to && !no_label_around(patchwork, last.face, last.to(), move.to)) {
-        return false;
-    }
-    // All around the centre of the fan, the last run goes over into the first one.
-    to_runs -= ends_at_to && previous_to;
-    return runs == 1 && (to_runs == 1 || patchwork.may_close_rings);
+    return edges >= 2 ||
+        (edges == 1 && no_label_around(patchwork, face, previous_corner(corner), to));
 }
 
 void apply(Patchwork& patchwork, const Move& move) {

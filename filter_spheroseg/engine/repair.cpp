@@ -173,7 +173,7 @@ private:
         for (int i = 0; i < fan.move.face_count; ++i) {
             const Step& step = fan.steps[i];
             const Cell& cell = patchwork_.cells[step.face];
-            const bool touches = patchwork_.label_across(cell, kNext[step.at]) == to;
+            const bool touches = patchwork_.label_across(cell, next_corner(step.at)) == to;
             if (!touches && !previous_touches &&
                 !no_label_around(patchwork_, step.face, step.from(), to)) {
                 return false;
@@ -254,7 +254,8 @@ private:
             same[c] = patchwork_.label_across(cell, c) == label;
         }
         for (int c = 0; c < 3; ++c) {
-            if (same[c] && same[kPrevious[c]] && !all_label_around(patchwork_, face, c, label)) {
+            if (same[c] && same[previous_corner(c)] &&
+                !all_label_around(patchwork_, face, c, label)) {
                 return false;
             }
         }

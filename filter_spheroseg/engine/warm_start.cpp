@@ -23,7 +23,7 @@ constexpr double kHeaviest = 2.0;
 int fan_ends(const Patchwork& patchwork, int face, int corner) {
     const Cell& cell = patchwork.cells[face];
     return (patchwork.label_across(cell, corner) != cell.label) +
-        (patchwork.label_across(cell, kPrevious[corner]) != cell.label);
+        (patchwork.label_across(cell, previous_corner(corner)) != cell.label);
 }
 
 /// More than one fan of the face's sub-mesh lies around the vertex at `corner`.

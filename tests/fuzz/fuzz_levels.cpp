@@ -36,7 +36,7 @@ bool neighbors_share_edges(const Patchwork& patchwork, const Surface& surface) {
         const Cell& cell = patchwork.cells[face];
         for (int c = 0; c < 3; ++c) {
             const int a = cell.vertex[c];
-            const int b = cell.vertex[kNext[c]];
+            const int b = cell.vertex[next_corner(c)];
             if (cell.neighbor[c] == other &&
                 ((a == ends[0] && b == ends[1]) || (a == ends[1] && b == ends[0]))) {
                 return true;
