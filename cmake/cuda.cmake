@@ -25,14 +25,16 @@ else()
 endif()
 
 function(add_gpu_engine target)
-    target_sources(${target} PRIVATE ${SPHEROSEG_CUDA_FOLDER}/device_swaps.cpp)
+    target_sources(${target} PRIVATE ${SPHEROSEG_CUDA_FOLDER}/device.cpp
+        ${SPHEROSEG_CUDA_FOLDER}/device_groups.cpp ${SPHEROSEG_CUDA_FOLDER}/device_swaps.cpp)
     target_include_directories(${target} PUBLIC ${SPHEROSEG_CUDA_FOLDER})
     if(NOT SPHEROSEG_CUDA)
         target_sources(${target} PRIVATE ${SPHEROSEG_CUDA_FOLDER}/no_device.cpp)
         return()
     endif()
     target_sources(${target} PRIVATE
-        ${SPHEROSEG_CUDA_FOLDER}/cuda_device.cpp ${SPHEROSEG_CUDA_FOLDER}/swap_kernels.cu)
+        ${SPHEROSEG_CUDA_FOLDER}/anneal_kernels.cu ${SPHEROSEG_CUDA_FOLDER}/cuda_device.cpp
+        ${SPHEROSEG_CUDA_FOLDER}/swap_kernels.cu)
     # Results must equal the cores': no contraction to fused multiply-add, no fast math.
     target_compile_options(${target} PRIVATE
         "$<$<COMPILE_LANGUAGE:CUDA>:--fmad=false;-Xcompiler=-Wall,-Wextra>"

@@ -52,9 +52,9 @@ void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& 
                                  static_cast<int>(defaults.device),
                                  kDevices,
                                  "Device",
-                                 "Where 'all_pairs' computes; 'fast' runs on the cores. 'auto': "
-                                 "the faster one that works. 'cuda' without a usable device is "
-                                 "an error that says why. The labels are the same.",
+                                 "'auto': the faster one that works, for 'fast' the cores. 'cuda' "
+                                 "without a usable device is an error that says why. The labels "
+                                 "are the same.",
                                  kAdvanced));
     parameters.addParam(RichInt("thread_count",
                                 defaults.thread_count,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The host side of a real GPU. The runtime is linked statically and looks for the driver when it is
 // first called, so that the plugin loads where there is none.
+#include "anneal_kernels.h"
 #include "device.h"
 #include "swap_kernels.h"
 
@@ -112,6 +113,20 @@ public:
     void play_refinement_batch(const RefinementArrays& arrays, int batch_rounds) override {
         call("play_refinement_batch",
              [&] { return launch_refinement_batch(arrays, batch_rounds, stream_.get()); });
+    }
+
+    void anneal_groups(const AnnealArrays& arrays,
+                       const AnnealPhase& phase,
+                       const FreeLoads& loads) override {
+        call("anneal_groups",
+             [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });
+    }
+
+    void anneal_groups(const AnnealArrays& arrays,
+                       const AnnealPhase& phase,
+                       const BoundedLoads& loads) override {
+        call("exchange_groups",
+             [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });
     }
 
 private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "anneal_arrays.h"
 #include "errors.h"
 #include "round_tiles.h"
 #include "swap_arrays.h"
@@ -17,7 +18,7 @@ struct DeviceInfo {
     int multiprocessor_count = 0;
 };
 
-/// What the swap engine asks of a GPU: memory and five kernels. Launches and uploads are done in
+/// What the engine asks of a GPU: memory and seven kernels. Launches and uploads are done in
 /// their order; a download waits for everything before it. Every function but `release` throws
 /// DeviceError, which names the call, the device and the reason.
 class Device {
@@ -38,6 +39,13 @@ public:
     /// Moves the cursor to the round after the next one with a swap, which is made, or by
     /// `batch_rounds` when there is none among them.
     virtual void play_refinement_batch(const RefinementArrays& arrays, int batch_rounds) = 0;
+
+    /// Makes the proposals of all groups.
+    virtual void
+    anneal_groups(const AnnealArrays& arrays, const AnnealPhase& phase, const FreeLoads& loads) = 0;
+    virtual void anneal_groups(const AnnealArrays& arrays,
+                               const AnnealPhase& phase,
+                               const BoundedLoads& loads) = 0;
 };
 
 /// The first usable GPU of this machine, or why there is none.
@@ -48,6 +56,13 @@ struct DeviceSearch {
 
 /// Without a driver, without a device, or in a build without CUDA: a reason, never an exception.
 DeviceSearch find_device();
+
+/// The first usable device. Throws DeviceError, which says why there is none.
+std::unique_ptr<Device> open_device();
+
+/// Throws DeviceError, which says what is needed, when a device has less than so many bytes free
+/// (and some to spare).
+void require_memory(Device& device, std::size_t bytes, const char* step);
 
 /// Whether this build has kernels at all.
 bool built_with_cuda();
@@ -67,9 +82,9 @@ public:
 
     T* data() const { return data_; }
     void clear() { device_->clear(data_, sizeof(T) * count_); }
-    /// `values` has `count` elements.
+    /// `values` has `count` elements or fewer: the first ones are replaced.
     void upload(const std::vector<T>& values) {
-        device_->upload(data_, values.data(), sizeof(T) * count_);
+        device_->upload(data_, values.data(), sizeof(T) * values.size());
     }
     void download(std::vector<T>& values) const {
         values.resize(count_);

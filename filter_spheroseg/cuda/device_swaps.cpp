@@ -7,19 +7,6 @@ namespace spheroseg::cuda {
 
 namespace {
 
-/// Kept free for the kernels' own needs and for other programs.
-constexpr std::size_t kSpareBytes = std::size_t{64} << 20;
-
-void require_memory(Device& device, std::size_t bytes, const char* step) {
-    const std::size_t free = device.free_bytes();
-    if (free < bytes + kSpareBytes) {
-        throw DeviceError(std::string("Expected ") + std::to_string((bytes + kSpareBytes) >> 20) +
-                          " MiB of free device memory for the " + step + ", found " +
-                          std::to_string(free >> 20) + " MiB on " + device.info().name +
-                          ". Close programs that use the device, or use device \"cpu\".");
-    }
-}
-
 class DeviceCohesion : public CohesionRounds {
 public:
     DeviceCohesion(Device& device,
@@ -194,15 +181,6 @@ std::unique_ptr<SwapRounds> DeviceSwaps::begin_refinement(const DualGraph& dual_
                                                           const std::vector<int>& labels) {
     require_memory(*device_, refinement_bytes(dual_graph.face_count()), "refinement");
     return std::make_unique<DeviceRefinement>(*device_, tuning_, dual_graph, labels);
-}
-
-std::unique_ptr<SwapDevice> open_swap_device() {
-    DeviceSearch search = find_device();
-    if (!search.device) {
-        throw DeviceError("Expected a usable CUDA device, found none: " + search.reason +
-                          ". Use device \"auto\" or \"cpu\".");
-    }
-    return std::make_unique<DeviceSwaps>(std::move(search.device));
 }
 
 } // namespace spheroseg::cuda

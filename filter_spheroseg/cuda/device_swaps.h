@@ -47,7 +47,4 @@ private:
 /// Below, the cores are done before a device has started: `auto` does not look for one.
 constexpr int kLeastFacesForDevice = 20000;
 
-/// The first usable device. Throws DeviceError, which says why there is none.
-std::unique_ptr<SwapDevice> open_swap_device();
-
 } // namespace spheroseg::cuda

@@ -65,7 +65,8 @@ public:
                                                           group,
                                                           phase.temperature},
           faces_(std::move(work.grouping.faces(group))),
-          proposal_count_(phase.proposal_count(faces_.size())),
+          proposal_count_(
+              proposal_count(phase.proposals_per_face, static_cast<int>(faces_.size()))),
           random_(phase.seed, static_cast<std::uint64_t>(group)) {
         if (partners_) {
             partners_->begin(patchwork_, faces_);
@@ -175,8 +176,9 @@ void run_phases(Patchwork& patchwork,
     std::int64_t edges = count_boundary_edges(patchwork, threads);
     Grouping grouping;
     const Work work{patchwork, grouping, boundary, partners};
-    const std::unique_ptr<DeviceGroups> on_device =
-        control.device ? control.device->begin_groups(patchwork) : nullptr;
+    const std::unique_ptr<DeviceGroups> on_device = control.device
+        ? control.device->begin_groups(patchwork, partners != nullptr, threads)
+        : nullptr;
     const int phases = std::max(1, schedule.phase_count);
     for (int p = 0; p < phases; ++p) {
         if (p >= control.max_phases || (control.deadline && control.deadline->expired())) {

@@ -16,6 +16,9 @@ public:
     std::vector<int>& faces() { return faces_; }
     const std::vector<int>& faces() const { return faces_; }
 
+    /// One entry per face: whether it is in the list, or in that of a group.
+    std::vector<std::uint8_t>& listed() { return listed_; }
+
     /// Forgets a face that touches no other sub-mesh; the caller takes it from its list.
     void unlist(int face) { listed_[face] = 0; }
 

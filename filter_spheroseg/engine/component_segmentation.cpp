@@ -32,9 +32,10 @@ public:
                   const SegmentOptions& options,
                   const Deadline& deadline,
                   const Progress& progress,
+                  AnnealDevice* device,
                   Segmentation& result)
         : prepared_(prepared), options_(options), deadline_(deadline), progress_(progress),
-          result_(result) {}
+          device_(device), result_(result) {}
 
     void run(int submesh_count) {
         const Deadline watch;
@@ -58,6 +59,7 @@ public:
             done_faces_ += face_counts[i];
             segment_one(i,
                         options_,
+                        device_,
                         component_count > 1 ? sub_progress(progress_, begin, done()) : progress_);
         }
         segment_small(small);
@@ -206,7 +208,7 @@ private:
             if (omp_get_thread_num() == 0) {
                 report_progress(progress_, done(), "Components");
             }
-            segment_one(i, options, {});
+            segment_one(i, options, nullptr, {});
             done_faces_ += (*components_)[i].face_count();
         } catch (...) {
             stopped = true;
@@ -214,17 +216,22 @@ private:
         }
     }
 
-    void segment_one(int i, const SegmentOptions& options, const Progress& progress) {
+    void segment_one(int i,
+                     const SegmentOptions& options,
+                     AnnealDevice* device,
+                     const Progress& progress) {
         Component& component = (*components_)[i];
         Segmentation part;
         if (submesh_counts_[i] == 1) {
             part.labels.assign(component.face_count(), 0);
         } else {
+            ComponentTask task = task_of(i);
+            task.device = device;
             const bool is_sphere = prepared_.report().is_closed_genus_zero();
             segment_component(component,
                               is_sphere ? &prepared_ : nullptr,
                               options,
-                              task_of(i),
+                              task,
                               deadline_,
                               progress,
                               part);
@@ -239,6 +246,7 @@ private:
     /// The n-th iterations of all components count as one; a component that has ended keeps its
     /// last number of boundary edges.
     void add_iterations(const Segmentation& part) {
+        result_.used_cuda = result_.used_cuda || part.used_cuda;
         result_.parametrization_seconds += part.parametrization_seconds;
         result_.cohesion_seconds += part.cohesion_seconds;
         result_.refinement_seconds += part.refinement_seconds;
@@ -267,6 +275,7 @@ private:
     const SegmentOptions& options_;
     const Deadline& deadline_;
     const Progress& progress_;
+    AnnealDevice* const device_; // null without
     Segmentation& result_;
     std::vector<Component>* components_ = nullptr;
     std::vector<int> submesh_counts_;
@@ -285,8 +294,9 @@ void segment_fast(PreparedMesh& prepared,
                   int submesh_count,
                   const Deadline& deadline,
                   const Progress& progress,
+                  AnnealDevice* device,
                   Segmentation& result) {
-    ComponentWise(prepared, options, deadline, progress, result).run(submesh_count);
+    ComponentWise(prepared, options, deadline, progress, device, result).run(submesh_count);
 }
 
 } // namespace spheroseg

@@ -89,6 +89,7 @@ public:
         }
         result_.refinement_iterations =
             static_cast<int>(result_.seconds_by_iteration.size()) - result_.cohesion_iterations;
+        result_.used_cuda = task_.device && result_.refinement_iterations > 0;
     }
 
 private:
@@ -441,6 +442,7 @@ private:
     AnnealControl control(double begin, double end) {
         AnnealControl control;
         control.deadline = &deadline_;
+        control.device = task_.device;
         control.progress = sub_progress(start_progress_, begin, end);
         control.boundary_edges = &result_.boundary_edges_by_iteration;
         control.seconds = &result_.seconds_by_iteration;

@@ -5,6 +5,8 @@
 
 namespace spheroseg {
 
+class AnnealDevice;
+
 /// What one component is to be cut into.
 struct ComponentTask {
     int submesh_count = 1;
@@ -16,6 +18,9 @@ struct ComponentTask {
     std::vector<double> weights;
     /// Of its faces, in [0, submesh_count), or -1 for none; or empty.
     std::vector<int> initial_labels;
+    /// May be null. Anneals instead of the cores, with the same result, all but the short trials
+    /// from which the first start is chosen.
+    AnnealDevice* device = nullptr;
 };
 
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive

@@ -59,7 +59,8 @@ private:
         }
         std::vector<int>& load = patchwork_.load;
         const double imbalance = 2.0 * cell.weight * (load[to] - load[from] + cell.weight);
-        const double allowance = temperature * ExponentialQuantiles::get()(bits >> 16);
+        const double allowance =
+            temperature * exponential_quantiles()[bits >> 16 & (kQuantileCount - 1)];
         if (load[from] > cell.weight && change + balance_weight * imbalance <= allowance) {
             patchwork_.set_label(face, to);
             load[from] -= cell.weight;

@@ -49,6 +49,11 @@ enum class Drawn {
     stale,
 };
 
+/// Proposals of a group with so many boundary faces in one phase.
+SPHEROSEG_HOST_DEVICE inline std::int64_t proposal_count(double per_face, int face_count) {
+    return static_cast<std::int64_t>(per_face * static_cast<double>(face_count));
+}
+
 /// A number in [0, count) from the upper half of 64 random bits.
 SPHEROSEG_HOST_DEVICE inline int index_of(std::uint64_t bits, int count) {
     return static_cast<int>(((bits >> 32) * static_cast<std::uint64_t>(count)) >> 32);

@@ -13,11 +13,6 @@ struct Phase {
     double temperature;
     double proposals_per_face;
     std::uint64_t seed;
-
-    /// Proposals of a group with so many boundary faces.
-    std::int64_t proposal_count(std::size_t face_count) const {
-        return static_cast<std::int64_t>(proposals_per_face * static_cast<double>(face_count));
-    }
 };
 
 /// The most partners that the list of a label takes which begins with `count`.
@@ -49,7 +44,9 @@ public:
 class AnnealDevice {
 public:
     virtual ~AnnealDevice() = default;
-    virtual std::unique_ptr<DeviceGroups> begin_groups(const Patchwork& patchwork) = 0;
+    /// `with_partners`: for phases with `BoundedLoads`, else for those with `FreeLoads`.
+    virtual std::unique_ptr<DeviceGroups>
+    begin_groups(const Patchwork& patchwork, bool with_partners, int thread_count) = 0;
 };
 
 } // namespace spheroseg

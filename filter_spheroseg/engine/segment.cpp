@@ -4,6 +4,7 @@
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
 #include "component_segmentation.h"
+#include "device_groups.h"
 #include "device_swaps.h"
 #include "face_weights.h"
 #include "warm_start.h"
@@ -92,8 +93,8 @@ void segment_all_pairs(PreparedMesh& prepared,
     if (tries_device) {
         const Segmentation before = result;
         try {
-            const std::unique_ptr<SwapDevice> device = cuda::open_swap_device();
-            limits.device = device.get();
+            cuda::DeviceSwaps device(cuda::open_device());
+            limits.device = &device;
             swap_all_pairs(
                 prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
             return;
@@ -106,6 +107,21 @@ void segment_all_pairs(PreparedMesh& prepared,
         }
     }
     swap_all_pairs(prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
+}
+
+/// On the cores, unless a device is asked for: none has shown yet where it would be faster.
+void segment_fast_somewhere(PreparedMesh& prepared,
+                            const SegmentOptions& options,
+                            int submesh_count,
+                            const Deadline& deadline,
+                            const Progress& progress,
+                            Segmentation& result) {
+    std::optional<cuda::DeviceAnnealing> device;
+    if (options.device == Device::cuda) {
+        device.emplace(cuda::open_device());
+    }
+    segment_fast(
+        prepared, options, submesh_count, deadline, progress, device ? &*device : nullptr, result);
 }
 
 } // namespace
@@ -248,11 +264,7 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
         throw InvalidInput(too_many_components_error(mesh.report(), submesh_count));
     }
     if (options.device == Device::cuda) {
-        cuda::open_swap_device();
-        if (options.method != Method::all_pairs) {
-            throw DeviceError("Expected method \"all_pairs\" with device \"cuda\", found \"fast\", "
-                              "which runs on the cores. Use device \"auto\" or \"cpu\".");
-        }
+        cuda::open_device();
     }
 }
 
@@ -269,7 +281,7 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
     result.best_max_triangle_count_difference = mesh.mesh().face_count() % submesh_count != 0;
     switch (options.method) {
     case Method::fast:
-        segment_fast(mesh, options, submesh_count, deadline, rising, result);
+        segment_fast_somewhere(mesh, options, submesh_count, deadline, rising, result);
         break;
     case Method::all_pairs:
         segment_all_pairs(mesh, options, deadline, rising, result);

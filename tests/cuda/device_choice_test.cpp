@@ -27,16 +27,18 @@ TEST(DeviceChoice, CudaWithoutADeviceSaysWhyAndAutoFallsBackSilently) {
     EXPECT_FALSE(search.reason.empty());
     PreparedMesh mesh(icosphere(2));
     SegmentOptions options;
-    options.method = Method::all_pairs;
-    options.device = Device::cuda;
-    const std::string error = device_error(mesh, options);
-    EXPECT_NE(error.find(search.reason), std::string::npos) << error;
-    EXPECT_NE(error.find("\"auto\" or \"cpu\""), std::string::npos) << error;
-    if (!cuda::built_with_cuda()) {
-        EXPECT_NE(error.find("SPHEROSEG_CUDA=ON"), std::string::npos) << error;
+    for (Method method : {Method::all_pairs, Method::fast}) {
+        options.method = method;
+        options.device = Device::cuda;
+        const std::string error = device_error(mesh, options);
+        EXPECT_NE(error.find(search.reason), std::string::npos) << error;
+        EXPECT_NE(error.find("\"auto\" or \"cpu\""), std::string::npos) << error;
+        if (!cuda::built_with_cuda()) {
+            EXPECT_NE(error.find("SPHEROSEG_CUDA=ON"), std::string::npos) << error;
+        }
+        options.device = Device::automatic;
+        EXPECT_FALSE(segment(mesh, options).used_cuda);
     }
-    options.device = Device::automatic;
-    EXPECT_FALSE(segment(mesh, options).used_cuda);
 }
 
 TEST(DeviceChoice, AutoGivesTheLabelsOfTheCoresAboveTheSizeThatLooksForADevice) {

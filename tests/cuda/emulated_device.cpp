@@ -2,6 +2,8 @@
 #include "emulated_device.h"
 
 #include "emulation.h"
+
+#include "anneal_kernels.cuh"
 #include "swap_kernels.cuh"
 
 namespace spheroseg::test {
@@ -92,6 +94,24 @@ void EmulatedDevice::play_refinement_batch(const cuda::RefinementArrays& arrays,
     });
     launch(blocks_for(slots, threads), 1, 0, [&] { cuda::decide_round(arrays); });
     launch(1, 1, 0, [&] { cuda::commit_round(arrays, batch_rounds); });
+}
+
+void EmulatedDevice::anneal_groups(const cuda::AnnealArrays& arrays,
+                                   const cuda::AnnealPhase& phase,
+                                   const FreeLoads& loads) {
+    begin_call("anneal_groups");
+    launch(arrays.group_count, 1, sizeof(cuda::GroupState), [&] {
+        cuda::anneal_groups(arrays, phase, loads);
+    });
+}
+
+void EmulatedDevice::anneal_groups(const cuda::AnnealArrays& arrays,
+                                   const cuda::AnnealPhase& phase,
+                                   const BoundedLoads& loads) {
+    begin_call("exchange_groups");
+    launch(arrays.group_count, 1, sizeof(cuda::GroupState), [&] {
+        cuda::exchange_groups(arrays, phase, loads);
+    });
 }
 
 } // namespace spheroseg::test

@@ -43,6 +43,12 @@ public:
                              int capacity) override;
     void measure_bounds(const cuda::RefinementArrays& arrays) override;
     void play_refinement_batch(const cuda::RefinementArrays& arrays, int batch_rounds) override;
+    void anneal_groups(const cuda::AnnealArrays& arrays,
+                       const cuda::AnnealPhase& phase,
+                       const FreeLoads& loads) override;
+    void anneal_groups(const cuda::AnnealArrays& arrays,
+                       const cuda::AnnealPhase& phase,
+                       const BoundedLoads& loads) override;
 
 private:
     void begin_call(const char* name);

@@ -56,6 +56,25 @@ TEST_F(Gpu, LabelsAreThoseOfTheCores) {
     }
 }
 
+TEST_F(Gpu, FastMakesTheLabelsOfTheCores) {
+    for (const TriangleMesh& mesh : {displaced_sphere(4), torus(60, 40), open_grid(60)}) {
+        PreparedMesh prepared(mesh);
+        for (int k : {2, 60, 400}) {
+            for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+                SegmentOptions options;
+                options.submesh_count = k;
+                options.effort = effort;
+                options.device = Device::cpu;
+                const Segmentation expected = segment(prepared, options);
+                options.device = Device::cuda;
+                const Segmentation found = segment(prepared, options);
+                EXPECT_TRUE(found.used_cuda);
+                EXPECT_EQ(found.labels, expected.labels) << mesh.face_count() << " faces, k " << k;
+            }
+        }
+    }
+}
+
 TEST_F(Gpu, CancellingGivesTheMemoryBack) {
     PreparedMesh prepared(displaced_sphere(5));
     segment_on(Device::cuda, prepared, 100, 0); // the context and its own memory are there now
