@@ -55,11 +55,16 @@ section "Labels and times, k = 200" "$bench" --require-gpu sample_meshes/*.ply s
 section "Many sub-meshes, other seed" "$bench" --require-gpu --k 999 --seed 7 sample_meshes/*.ply
 section "Few sub-meshes, odd k" "$bench" --require-gpu --k 3 sample_meshes/*.ply
 section "327,680 triangles, GPU alone" "$bench" --require-gpu --repeats 1 bumpy:7
+section "Fast, k = 200" "$bench" --fast --require-gpu --cores-up-to 2000000 sample_meshes/*.ply bumpy:5 "$@"
+section "Fast, 64 triangles per sub-mesh" "$bench" --fast --per 64 --require-gpu \
+    --cores-up-to 2000000 bumpy:5 bumpy:7 bumpy:8 "$@"
 
 if command -v compute-sanitizer >/dev/null; then
     for tool in memcheck racecheck initcheck synccheck; do
         LINES_KEPT=15 section "compute-sanitizer $tool" compute-sanitizer --tool "$tool" \
             --error-exitcode 9 "$bench" --require-gpu --repeats 1 --iterations 2 --k 50 sphere:3
+        LINES_KEPT=15 section "compute-sanitizer $tool, fast" compute-sanitizer --tool "$tool" \
+            --error-exitcode 9 "$bench" --fast --require-gpu --repeats 1 --k 100 sphere:3
     done
 else
     note "compute-sanitizer is not installed: memory and races were not checked."
@@ -72,6 +77,12 @@ if command -v ncu >/dev/null; then
             --section SpeedOfLight --section Occupancy --section LaunchStats \
             --kernel-name "$kernel" --launch-skip 20 --launch-count 2 \
             "$bench" --require-gpu --repeats 1 --iterations 1 --cores-up-to 0 bumpy:5
+    done
+    for kernel in anneal_groups exchange_groups; do
+        LINES_KEPT=60 section "ncu $kernel" ncu --clock-control none \
+            --section SpeedOfLight --section Occupancy --section LaunchStats \
+            --kernel-name "$kernel" --launch-skip 4 --launch-count 2 \
+            "$bench" --fast --per 64 --require-gpu --repeats 1 --cores-up-to 0 bumpy:7
     done
 else
     note "ncu is not installed: occupancy and throughput were not read."

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// `all_pairs` on the cores and on the GPU: whether the labels are equal, and the times per step, as
+// The methods on the cores and on the GPU: whether the labels are equal, and the times per step, as
 // a Markdown table. Needs nothing but the engine.
 #include "device.h"
 #include "mesh_file.h"
@@ -23,7 +23,9 @@ constexpr const char* kUsage = R"(usage: spheroseg-bench [OPTIONS] MESH...
 MESH is a .ply, .obj or .raw file, or a generated mesh: sphere:N (icosphere of 20 * 4^N triangles)
 or bumpy:N (the same with smooth bumps). Without a MESH: sphere:4, bumpy:5.
 
+  --fast             the method fast instead of all_pairs
   --k N              number of sub-meshes (200)
+  --per N            triangles per sub-mesh instead
   --seed N           (0)
   --iterations N     most iterations of cohesion and of refinement; 0: until converged (0)
   --repeats N        runs on the GPU, of which the fastest counts (3)
@@ -32,7 +34,9 @@ or bumpy:N (the same with smooth bumps). Without a MESH: sphere:4, bumpy:5.
 )";
 
 struct Settings {
+    Method method = Method::all_pairs;
     int k = 200;
+    int per = 0;
     int seed = 0;
     int iterations = 0;
     int repeats = 3;
@@ -56,9 +60,10 @@ TriangleMesh make_mesh(const std::string& name) {
 
 Segmentation run(PreparedMesh& mesh, const Settings& settings, Device device) {
     SegmentOptions options;
-    options.method = Method::all_pairs;
+    options.method = settings.method;
     options.device = device;
     options.submesh_count = std::min(settings.k, mesh.mesh().face_count());
+    options.triangles_per_submesh = settings.per;
     options.seed = static_cast<std::uint64_t>(settings.seed);
     options.max_cohesion_iterations = settings.iterations;
     options.max_refinement_iterations = settings.iterations;
@@ -87,7 +92,9 @@ void print_row(const std::string& name,
 /// False when the GPU's labels, energies or counts differ from those of the cores.
 bool bench(const std::string& name, const Settings& settings, bool has_gpu) {
     PreparedMesh mesh(make_mesh(name));
-    mesh.parametrization();
+    if (settings.method == Method::all_pairs) {
+        mesh.parametrization();
+    }
     const bool on_cores = mesh.mesh().face_count() <= settings.cores_up_to;
     Segmentation cores;
     if (on_cores) {
@@ -118,6 +125,7 @@ bool bench(const std::string& name, const Settings& settings, bool has_gpu) {
 Settings parse(int argc, char** argv) {
     Settings settings;
     const std::map<std::string, int*> numbers = {{"--k", &settings.k},
+                                                 {"--per", &settings.per},
                                                  {"--seed", &settings.seed},
                                                  {"--iterations", &settings.iterations},
                                                  {"--repeats", &settings.repeats},
@@ -127,6 +135,8 @@ Settings parse(int argc, char** argv) {
         const auto number = numbers.find(argument);
         if (number != numbers.end() && i + 1 < argc) {
             *number->second = std::atoi(argv[++i]);
+        } else if (argument == "--fast") {
+            settings.method = Method::fast;
         } else if (argument == "--require-gpu") {
             settings.require_gpu = true;
         } else if (argument.rfind("-", 0) == 0) {
