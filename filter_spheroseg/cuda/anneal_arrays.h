@@ -31,13 +31,6 @@ struct AnnealArrays {
     bool may_close_rings;
 };
 
-/// The settings of a phase.
-struct AnnealPhase {
-    double temperature;
-    double proposals_per_face;
-    unsigned long long seed;
-};
-
 /// Threads of a block, which anneals one group.
 constexpr int kAnnealThreads = 32;
 

@@ -106,7 +106,7 @@ private:
 /// it change nothing, so they are done; those after it are judged again.
 template <typename Loads>
 __device__ void
-anneal_group(const AnnealArrays& arrays, const AnnealPhase& phase, const Loads& loads) {
+anneal_group(const AnnealArrays& arrays, const spheroseg::Phase& phase, const Loads& loads) {
     SPHEROSEG_DYNAMIC_SHARED(GroupState, state);
     const int group = arrays.order[blockIdx.x];
     const int thread = static_cast<int>(threadIdx.x);
@@ -158,12 +158,12 @@ anneal_group(const AnnealArrays& arrays, const AnnealPhase& phase, const Loads& 
 }
 
 __global__ void __launch_bounds__(kAnnealThreads)
-    anneal_groups(AnnealArrays arrays, AnnealPhase phase, FreeLoads loads) {
+    anneal_groups(AnnealArrays arrays, spheroseg::Phase phase, FreeLoads loads) {
     anneal_group(arrays, phase, loads);
 }
 
 __global__ void __launch_bounds__(kAnnealThreads)
-    exchange_groups(AnnealArrays arrays, AnnealPhase phase, BoundedLoads loads) {
+    exchange_groups(AnnealArrays arrays, spheroseg::Phase phase, BoundedLoads loads) {
     anneal_group(arrays, phase, loads);
 }
 

@@ -116,14 +116,14 @@ public:
     }
 
     void anneal_groups(const AnnealArrays& arrays,
-                       const AnnealPhase& phase,
+                       const spheroseg::Phase& phase,
                        const FreeLoads& loads) override {
         call("anneal_groups",
              [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });
     }
 
     void anneal_groups(const AnnealArrays& arrays,
-                       const AnnealPhase& phase,
+                       const spheroseg::Phase& phase,
                        const BoundedLoads& loads) override {
         call("exchange_groups",
              [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });

@@ -41,10 +41,11 @@ public:
     virtual void play_refinement_batch(const RefinementArrays& arrays, int batch_rounds) = 0;
 
     /// Makes the proposals of all groups.
-    virtual void
-    anneal_groups(const AnnealArrays& arrays, const AnnealPhase& phase, const FreeLoads& loads) = 0;
     virtual void anneal_groups(const AnnealArrays& arrays,
-                               const AnnealPhase& phase,
+                               const spheroseg::Phase& phase,
+                               const FreeLoads& loads) = 0;
+    virtual void anneal_groups(const AnnealArrays& arrays,
+                               const spheroseg::Phase& phase,
                                const BoundedLoads& loads) = 0;
 };
 

@@ -137,8 +137,7 @@ private:
         if (partners_) {
             partners_->show(arrays);
         }
-        device_.anneal_groups(
-            arrays, {phase.temperature, phase.proposals_per_face, phase.seed}, loads);
+        device_.anneal_groups(arrays, phase, loads);
         receive(patchwork, grouping, boundary);
         std::vector<unsigned long long> change;
         change_.download(change);

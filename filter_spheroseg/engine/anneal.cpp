@@ -6,8 +6,6 @@
 #include "threads.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 namespace spheroseg {
 
@@ -157,20 +155,15 @@ std::int64_t run_on_cores(const Work& work, const Phase& phase, const Loads& loa
     return change;
 }
 
-/// From `begin` to `end` in equal ratios, with `at` from 0 to 1.
-double geometric(double begin, double end, double at) {
-    return begin * std::pow(end / begin, at);
-}
-
 /// Runs the phases of a schedule: new groups of labels in each, all groups in parallel.
-/// `loads_at(x)` gives the rule for the loads, with x from 0 to 1 over the phases.
-template <typename LoadsAt>
+/// `loads_of(phase)` gives the rule for the loads.
+template <typename LoadsOf>
 void run_phases(Patchwork& patchwork,
                 const AnnealSchedule& schedule,
                 const AnnealControl& control,
                 const char* step,
                 PartnerLists* partners,
-                LoadsAt loads_at) {
+                LoadsOf loads_of) {
     const int threads = resolve_thread_count(schedule.thread_count);
     BoundaryFaces boundary(patchwork, threads);
     std::int64_t edges = count_boundary_edges(patchwork, threads);
@@ -186,12 +179,11 @@ void run_phases(Patchwork& patchwork,
         }
         report_progress(control.progress, static_cast<double>(p) / phases, step);
         const Deadline watch;
-        const double at = phases > 1 ? static_cast<double>(p) / (phases - 1) : 1.0;
         Phase phase;
-        phase.temperature = geometric(schedule.temperature_begin, schedule.temperature_end, at);
+        phase.temperature = schedule.temperature(p);
         phase.proposals_per_face = schedule.proposals_per_face / phases;
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
-        const auto loads = loads_at(at);
+        const auto loads = loads_of(p);
 
         grouping.regroup(patchwork, boundary, phase.seed, threads);
         edges += on_device ? on_device->run(phase, loads, patchwork, grouping, boundary)
@@ -209,7 +201,7 @@ void anneal_within(Patchwork& patchwork,
                    const AnnealControl& control,
                    const BoundedLoads& range) {
     PartnerLists partners(patchwork.submesh_count());
-    run_phases(patchwork, schedule, control, "Exchanges", &partners, [&](double) { return range; });
+    run_phases(patchwork, schedule, control, "Exchanges", &partners, [&](int) { return range; });
 }
 
 } // namespace
@@ -218,12 +210,9 @@ void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealCo
     if (patchwork.submesh_count() < 2) {
         return;
     }
-    const double total_load = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
-    const double face_weight = total_load / patchwork.face_count();
-    run_phases(patchwork, schedule, control, "Refinement", nullptr, [&](double at) {
-        const double weight =
-            geometric(schedule.balance_weight_begin, schedule.balance_weight_end, at);
-        return FreeLoads{weight / (face_weight * face_weight)};
+    const double face_weight = mean_face_weight(patchwork);
+    run_phases(patchwork, schedule, control, "Refinement", nullptr, [&](int phase) {
+        return FreeLoads{schedule.balance_weight(phase, face_weight)};
     });
 }
 

@@ -4,6 +4,8 @@
 #include "patchwork.h"
 #include "progress.h"
 
+#include <cmath>
+
 namespace spheroseg {
 
 class AnnealDevice;
@@ -23,6 +25,22 @@ struct AnnealSchedule {
     double balance_weight_end = 0.3;
     std::uint64_t seed = 0;
     int thread_count = 0;
+
+    /// Of a phase in [0, phase_count).
+    double temperature(int phase) const {
+        return between(temperature_begin, temperature_end, phase);
+    }
+    /// Per squared unit of load.
+    double balance_weight(int phase, double mean_face_weight) const {
+        return between(balance_weight_begin, balance_weight_end, phase) /
+            (mean_face_weight * mean_face_weight);
+    }
+
+private:
+    double between(double begin, double end, int phase) const {
+        const double at = phase_count > 1 ? static_cast<double>(phase) / (phase_count - 1) : 1.0;
+        return begin * std::pow(end / begin, at);
+    }
 };
 
 /// What a run over phases watches and tells.

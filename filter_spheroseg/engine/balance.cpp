@@ -62,7 +62,7 @@ private:
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
-    /// A plan that meets so many sides and no end has met all that can be reached.
+    /// A plan that looks at so many sub-meshes and finds no end has met all that can be reached.
     static constexpr std::int64_t kLargePlan = 1000;
 
     /// Calls `pass(label, outward)` for the sub-meshes that are off, as long as it answers true. A
@@ -92,8 +92,8 @@ private:
         });
     }
 
-    /// Passes random faces, `times` each, out of the neighbours of the sub-meshes that are off:
-    /// they could give or take none as they were.
+    /// Passes random faces out of the neighbours of the sub-meshes that are off, `times` for every
+    /// side that they share: they could give or take none as they were.
     void shake(int times) {
         std::vector<int> neighbors;
         for (int l = 0; times > 0 && l < patchwork_.submesh_count(); ++l) {
@@ -106,7 +106,7 @@ private:
             for (int i = 0; i < times; ++i) {
                 const std::vector<Arc>& ways = arcs(label, true, [](int) { return true; });
                 if (!ways.empty()) {
-                    boundaries_.commit(Move(ways.front().move));
+                    boundaries_.commit(ways.front().move);
                 }
             }
         }
@@ -287,7 +287,7 @@ private:
         if (found.empty()) {
             return false;
         }
-        boundaries_.commit(Move(found.front().move));
+        boundaries_.commit(found.front().move);
         return true;
     }
 

@@ -2,11 +2,7 @@
 #include "free_annealing.h"
 
 #include "boundary.h"
-#include "metropolis.h"
-#include "random.h"
-
-#include <algorithm>
-#include <cmath>
+#include "group_moves.h"
 
 namespace spheroseg {
 
@@ -20,8 +16,8 @@ public:
 
     /// `balance_weight` is that of squared units of load.
     void run_phase(double temperature, double balance_weight, double proposals_per_face) {
-        const auto proposals = static_cast<std::int64_t>(proposals_per_face * faces_.size());
-        for (std::int64_t i = 0; i < proposals && !faces_.empty(); ++i) {
+        auto left = proposal_count(proposals_per_face, static_cast<int>(faces_.size()));
+        for (; left > 0 && !faces_.empty(); --left) {
             propose(temperature, balance_weight);
         }
     }
@@ -29,8 +25,7 @@ public:
 private:
     void propose(double temperature, double balance_weight) {
         const std::uint64_t bits = random_.next();
-        const auto index = static_cast<std::size_t>(
-            ((bits >> 32) * static_cast<std::uint64_t>(faces_.size())) >> 32);
+        const int index = index_of(bits, static_cast<int>(faces_.size()));
         const int face = faces_[index];
         const Cell& cell = patchwork_.cells[face];
         const int from = cell.label;
@@ -78,18 +73,11 @@ private:
 } // namespace
 
 void anneal_freely(Patchwork& patchwork, const AnnealSchedule& schedule, const Deadline& deadline) {
-    const double mean_face_weight =
-        mean_load(patchwork) * patchwork.submesh_count() / patchwork.face_count();
+    const double face_weight = mean_face_weight(patchwork);
     FreeAnnealer annealer(patchwork, schedule.seed);
     for (int phase = 0; phase < schedule.phase_count && !deadline.expired(); ++phase) {
-        const double at =
-            schedule.phase_count > 1 ? static_cast<double>(phase) / (schedule.phase_count - 1) : 1;
-        const auto between = [at](double begin, double end) {
-            return begin * std::pow(end / begin, at);
-        };
-        annealer.run_phase(between(schedule.temperature_begin, schedule.temperature_end),
-                           between(schedule.balance_weight_begin, schedule.balance_weight_end) /
-                               (mean_face_weight * mean_face_weight),
+        annealer.run_phase(schedule.temperature(phase),
+                           schedule.balance_weight(phase, face_weight),
                            schedule.proposals_per_face / schedule.phase_count);
     }
 }

@@ -23,6 +23,13 @@ constexpr int kPartnerTries = 16;
 /// The most that a single move back can save.
 constexpr int kBestPartner = 1;
 
+/// The settings of one phase of an annealing.
+struct Phase {
+    double temperature;
+    double proposals_per_face;
+    std::uint64_t seed;
+};
+
 /// What the proposals of a group depend on in one phase.
 struct GroupRules {
     const int* group_of_label;
@@ -100,17 +107,17 @@ SPHEROSEG_INNER Drawn draw_proposal(const Patches& patches,
 }
 
 template <typename Patches>
-SPHEROSEG_HOST_DEVICE bool
-describe(const Patches& patches, int face, int corner, bool as_fan, bool forward, Fan& fan) {
-    return as_fan ? describe_fan(patches, face, corner, forward, fan)
-                  : describe_single(patches, face, corner, fan.move);
+SPHEROSEG_HOST_DEVICE bool describe(const Patches& patches, const Proposal& proposal, Fan& fan) {
+    return proposal.as_fan
+        ? describe_fan(patches, proposal.face, proposal.corner, proposal.forward, fan)
+        : describe_single(patches, proposal.face, proposal.corner, fan.move);
 }
 
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
-is_allowed(const Patches& patches, int face, int corner, bool as_fan, const Fan& fan) {
-    return as_fan ? fan_is_allowed(patches, fan)
-                  : single_is_allowed(patches, face, corner, fan.move);
+is_allowed(const Patches& patches, const Proposal& proposal, const Fan& fan) {
+    return proposal.as_fan ? fan_is_allowed(patches, fan)
+                           : single_is_allowed(patches, proposal.face, proposal.corner, fan.move);
 }
 
 /// Loads may differ, at a cost.
@@ -122,14 +129,8 @@ struct FreeLoads {
     template <typename Group>
     SPHEROSEG_HOST_DEVICE bool wants(const Group& group, const Proposal& proposal, Fan& fan) const {
         const auto& patches = group.patches();
-        return describe(patches,
-                        proposal.face,
-                        proposal.corner,
-                        proposal.as_fan,
-                        proposal.forward,
-                        fan) &&
-            cost(group, fan.move) <= proposal.allowance &&
-            is_allowed(patches, proposal.face, proposal.corner, proposal.as_fan, fan);
+        return describe(patches, proposal, fan) && cost(group, fan.move) <= proposal.allowance &&
+            is_allowed(patches, proposal, fan);
     }
 
     /// Returns the change of the number of boundary edges.
@@ -161,15 +162,10 @@ struct BoundedLoads {
     template <typename Group>
     SPHEROSEG_HOST_DEVICE bool wants(const Group& group, const Proposal& proposal, Fan& fan) const {
         const auto& patches = group.patches();
-        return describe(patches,
-                        proposal.face,
-                        proposal.corner,
-                        proposal.as_fan,
-                        proposal.forward,
-                        fan) &&
+        return describe(patches, proposal, fan) &&
             fan.move.boundary_change <=
             proposal.allowance + (keeps_range(group, fan.move) ? 0 : kBestPartner) &&
-            is_allowed(patches, proposal.face, proposal.corner, proposal.as_fan, fan);
+            is_allowed(patches, proposal, fan);
     }
 
     /// Makes the move if the range is kept or can be regained. Returns the change of the number of
@@ -222,10 +218,11 @@ private:
             if (corner == 3) {
                 continue;
             }
-            const bool as_fan = first.face_count > 1;
-            if (describe(patches, face, corner, as_fan, (bits >> 1) & 1, back) &&
-                back.move.to == first.from && back.move.boundary_change <= allowance &&
-                keeps_range(group, back.move) && is_allowed(patches, face, corner, as_fan, back)) {
+            const Proposal partner{
+                face, corner, first.face_count > 1, ((bits >> 1) & 1) != 0, allowance};
+            if (describe(patches, partner, back) && back.move.to == first.from &&
+                back.move.boundary_change <= allowance && keeps_range(group, back.move) &&
+                is_allowed(patches, partner, back)) {
                 return true;
             }
         }

@@ -35,9 +35,20 @@ void apply(Patchwork& patchwork, const Move& move) {
     patchwork.load[move.to] += move.weight;
 }
 
+namespace {
+
+double total_load(const Patchwork& patchwork) {
+    return std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
+}
+
+} // namespace
+
 double mean_load(const Patchwork& patchwork) {
-    const double total = std::accumulate(patchwork.load.begin(), patchwork.load.end(), 0.0);
-    return total / patchwork.submesh_count();
+    return total_load(patchwork) / patchwork.submesh_count();
+}
+
+double mean_face_weight(const Patchwork& patchwork) {
+    return total_load(patchwork) / patchwork.face_count();
 }
 
 std::vector<int> labels_of(const Patchwork& patchwork) {

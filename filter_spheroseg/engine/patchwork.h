@@ -53,6 +53,8 @@ void apply(Patchwork& patchwork, const Move& move);
 /// The load that all sub-meshes would have if they were balanced.
 double mean_load(const Patchwork& patchwork);
 
+double mean_face_weight(const Patchwork& patchwork);
+
 /// Labels of a finished patchwork, in face order.
 std::vector<int> labels_of(const Patchwork& patchwork);
 

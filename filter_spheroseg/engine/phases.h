@@ -8,13 +8,6 @@
 
 namespace spheroseg {
 
-/// The settings of one phase of an annealing.
-struct Phase {
-    double temperature;
-    double proposals_per_face;
-    std::uint64_t seed;
-};
-
 /// The most partners that the list of a label takes which begins with `count`.
 inline std::size_t partner_capacity(std::size_t count) {
     return 16 * count + 64;

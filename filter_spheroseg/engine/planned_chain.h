@@ -29,7 +29,8 @@ inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool 
 /// Chains of passes, each of one face from a sub-mesh to a neighbour, from a sub-mesh with too many
 /// faces to one with room, or to one with too few from one that can spare one. Each pass is planned
 /// on the sub-mesh as the pass before it leaves it: which faces a sub-mesh of two or three can give
-/// depends on the face that it gets. For loads that may not leave [floor, ceiling].
+/// depends on the face that it gets. A sub-mesh has too many faces above `ceiling`, too few below
+/// `floor`.
 class PlannedChain {
 public:
     PlannedChain(Patchwork& patchwork, SubmeshBoundaries& boundaries, int floor, int ceiling)

@@ -109,19 +109,12 @@ void segment_all_pairs(PreparedMesh& prepared,
     swap_all_pairs(prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
 }
 
-/// On the cores, unless a device is asked for: none has shown yet where it would be faster.
-void segment_fast_somewhere(PreparedMesh& prepared,
-                            const SegmentOptions& options,
-                            int submesh_count,
-                            const Deadline& deadline,
-                            const Progress& progress,
-                            Segmentation& result) {
-    std::optional<cuda::DeviceAnnealing> device;
-    if (options.device == Device::cuda) {
-        device.emplace(cuda::open_device());
-    }
-    segment_fast(
-        prepared, options, submesh_count, deadline, progress, device ? &*device : nullptr, result);
+/// Where `fast` anneals; null: on the cores, unless a device is asked for, since none has shown yet
+/// where it would be faster.
+std::unique_ptr<AnnealDevice> anneal_device(const SegmentOptions& options) {
+    return options.device == Device::cuda
+        ? std::make_unique<cuda::DeviceAnnealing>(cuda::open_device())
+        : nullptr;
 }
 
 } // namespace
@@ -281,7 +274,8 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
     result.best_max_triangle_count_difference = mesh.mesh().face_count() % submesh_count != 0;
     switch (options.method) {
     case Method::fast:
-        segment_fast_somewhere(mesh, options, submesh_count, deadline, rising, result);
+        segment_fast(
+            mesh, options, submesh_count, deadline, rising, anneal_device(options).get(), result);
         break;
     case Method::all_pairs:
         segment_all_pairs(mesh, options, deadline, rising, result);

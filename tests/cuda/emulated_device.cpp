@@ -97,7 +97,7 @@ void EmulatedDevice::play_refinement_batch(const cuda::RefinementArrays& arrays,
 }
 
 void EmulatedDevice::anneal_groups(const cuda::AnnealArrays& arrays,
-                                   const cuda::AnnealPhase& phase,
+                                   const Phase& phase,
                                    const FreeLoads& loads) {
     begin_call("anneal_groups");
     launch(arrays.group_count, 1, sizeof(cuda::GroupState), [&] {
@@ -106,7 +106,7 @@ void EmulatedDevice::anneal_groups(const cuda::AnnealArrays& arrays,
 }
 
 void EmulatedDevice::anneal_groups(const cuda::AnnealArrays& arrays,
-                                   const cuda::AnnealPhase& phase,
+                                   const Phase& phase,
                                    const BoundedLoads& loads) {
     begin_call("exchange_groups");
     launch(arrays.group_count, 1, sizeof(cuda::GroupState), [&] {

@@ -44,10 +44,10 @@ public:
     void measure_bounds(const cuda::RefinementArrays& arrays) override;
     void play_refinement_batch(const cuda::RefinementArrays& arrays, int batch_rounds) override;
     void anneal_groups(const cuda::AnnealArrays& arrays,
-                       const cuda::AnnealPhase& phase,
+                       const Phase& phase,
                        const FreeLoads& loads) override;
     void anneal_groups(const cuda::AnnealArrays& arrays,
-                       const cuda::AnnealPhase& phase,
+                       const Phase& phase,
                        const BoundedLoads& loads) override;
 
 private:
