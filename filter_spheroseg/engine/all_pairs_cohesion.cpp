@@ -124,8 +124,7 @@ long long play_iteration(ChordSwapState& state,
                          const Progress& progress,
                          bool& complete) {
     const RoundRobin schedule(state.face_count());
-    const int threads = std::clamp(
-        schedule.slot_count() / kMinSlotsPerThread, 1, resolve_thread_count(limits.thread_count));
+    const int threads = threads_for(limits.thread_count, schedule.slot_count(), kMinSlotsPerThread);
     const int rounds = schedule.round_count();
     const int step = device != nullptr
         ? device->rounds_per_report()

@@ -11,6 +11,9 @@ namespace spheroseg {
 
 namespace {
 
+/// Less than that is not worth another thread.
+constexpr int kProposalsPerThread = 2000;
+
 /// Faces of each label that may lie beside another sub-mesh: some have left it, or are there twice.
 class PartnerLists {
 public:
@@ -142,9 +145,15 @@ private:
 };
 
 template <typename Loads>
-std::int64_t run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threads) {
+std::int64_t
+run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int thread_count) {
     const std::vector<int> groups = work.grouping.largest_first();
     const auto group_count = static_cast<int>(groups.size());
+    const auto face_count = static_cast<int>(work.boundary.faces().size());
+    const int threads = std::min(group_count,
+                                 threads_for(thread_count,
+                                             proposal_count(phase.proposals_per_face, face_count),
+                                             kProposalsPerThread));
     std::int64_t change = 0;
     ParallelFailure failure;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)

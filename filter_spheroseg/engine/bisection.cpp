@@ -109,7 +109,7 @@ void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thr
     }
     Bisection bisection(patchwork, seed);
     const int face_count = patchwork.face_count();
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel num_threads(threads)
 #pragma omp single
     bisection.split(0, face_count, 0, submesh_count);

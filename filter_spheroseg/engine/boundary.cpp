@@ -38,7 +38,7 @@ bool touches_other_label(const Patchwork& patchwork, int face) {
 BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
     : listed_(patchwork.cells.size(), 0) {
     const int face_count = patchwork.face_count();
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int f = 0; f < face_count; ++f) {
         listed_[f] = touches_other_label(patchwork, f);
@@ -53,7 +53,7 @@ BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
 std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) {
     std::int64_t sides = 0;
     const int face_count = patchwork.face_count();
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
     for (int f = 0; f < face_count; ++f) {
         const Cell& cell = patchwork.cells[f];
@@ -176,7 +176,7 @@ void Grouping::place_faces(const Patchwork& patchwork,
     const std::vector<int>& faces = boundary.faces();
     const auto face_count = static_cast<int>(faces.size());
     places_.resize(faces.size());
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int i = 0; i < face_count; ++i) {
         places_[i] = place_of(patchwork, faces[i]);

@@ -11,6 +11,9 @@ namespace spheroseg {
 
 namespace {
 
+/// Vertices that a thread takes at a time.
+constexpr int kVerticesPerTask = 4096;
+
 /// The side of a face: 3 * face + corner, seen from the lower of its two vertices.
 struct Side {
     int other_vertex;
@@ -63,8 +66,8 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
             sides[fill[std::min(a, b)]++] = {std::max(a, b), 3 * f + c};
         }
     }
-    const int threads = resolve_thread_count(thread_count);
-#pragma omp parallel for schedule(dynamic, 4096) num_threads(threads)
+    const int threads = threads_for(thread_count, vertex_count, kVerticesPerTask);
+#pragma omp parallel for schedule(dynamic, kVerticesPerTask) num_threads(threads)
     for (int v = 0; v < vertex_count; ++v) {
         const auto begin = sides.begin() + bucket_begin[v];
         const auto end = sides.begin() + bucket_begin[v + 1];

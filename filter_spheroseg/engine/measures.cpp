@@ -165,7 +165,7 @@ Measures measure(const TriangleMesh& mesh,
     EdgeCounts edges;
     FanCounts fans;
     std::vector<int> components;
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, mesh.face_count(), kFacesPerThread / 4);
     ParallelFailure failure;
 #pragma omp parallel sections num_threads(threads)
     {

@@ -11,7 +11,7 @@ namespace spheroseg {
 
 /// A face with its label, as the refinement sees it. `neighbor[c]` lies across the edge from
 /// corner c to corner (c + 1) % 3; -1 on an open border. Half a cache line.
-struct Cell {
+struct alignas(32) Cell {
     int vertex[3];
     int neighbor[3];
     /// Sub-mesh, or -1 while unassigned.

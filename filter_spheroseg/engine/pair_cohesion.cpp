@@ -43,8 +43,7 @@ public:
                  int submesh_count,
                  int thread_count)
         : state_(make_cohesion_state(face_centroids, labels)), submesh_count_(submesh_count),
-          thread_count_(std::clamp(
-              state_.face_count() / kMinFacesPerThread, 1, resolve_thread_count(thread_count))),
+          thread_count_(threads_for(thread_count, state_.face_count(), kMinFacesPerThread)),
           members_(submesh_count), changed_(submesh_count, 1) {
         for (int f = 0; f < state_.face_count(); ++f) {
             members_[labels[f]].push_back(f);

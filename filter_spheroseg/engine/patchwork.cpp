@@ -78,7 +78,7 @@ SortedPatchwork sort_by_label(const Patchwork& patchwork, int thread_count) {
     sorted.patchwork.load = patchwork.load;
     sorted.patchwork.may_close_rings = patchwork.may_close_rings;
     sorted.patchwork.cells.resize(face_count);
-    const int threads = resolve_thread_count(thread_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int i = 0; i < face_count; ++i) {
         Cell cell = patchwork.cells[sorted.order[i]];

@@ -16,8 +16,8 @@ namespace {
 
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
-/// Less work than that is not worth another thread.
-constexpr int kFacesPerThread = 8192;
+/// Less than that is not worth another thread.
+constexpr int kFacesPerWorker = 8192;
 
 /// Where a wave reached a face: distance, then the sub-mesh that it came from. The order of the
 /// keys decides between two waves, never the order of arrival.
@@ -37,8 +37,7 @@ class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
-          workers_(std::clamp(
-              patchwork.face_count() / kFacesPerThread, 1, resolve_thread_count(thread_count))),
+          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
           centers_(patchwork.submesh_count()), offsets_(patchwork.submesh_count(), 0.0),
           inside_(patchwork.cells.size()), keys_(patchwork.cells.size()) {
         double total = 0.0;

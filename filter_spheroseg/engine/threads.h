@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <omp.h>
 
 namespace spheroseg {
@@ -14,6 +15,16 @@ inline int resolve_thread_count(int thread_count) {
     const int core_count = omp_get_num_procs();
     return thread_count > 0 ? std::min(thread_count, std::max(core_count, kMaxThreads))
                             : core_count;
+}
+
+/// Faces that a plain loop over all of them should have per thread: waking one takes as long as
+/// going over some thousands.
+constexpr int kFacesPerThread = 8192;
+
+/// As resolve_thread_count, but at least 1 and no more than there are shares of `share` items.
+inline int threads_for(int thread_count, std::int64_t items, std::int64_t share) {
+    return static_cast<int>(
+        std::clamp<std::int64_t>(items / share, 1, resolve_thread_count(thread_count)));
 }
 
 } // namespace spheroseg

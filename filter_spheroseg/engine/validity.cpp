@@ -70,7 +70,7 @@ public:
     MeshReport run(int thread_count) {
         report_.face_count = mesh_.face_count();
         report_.vertex_count = mesh_.vertex_count();
-        const int threads = resolve_thread_count(thread_count);
+        const int threads = threads_for(thread_count, mesh_.face_count(), kFacesPerThread / 4);
         ParallelFailure failure;
 #pragma omp parallel sections num_threads(threads)
         {
