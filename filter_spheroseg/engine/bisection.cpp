@@ -51,32 +51,47 @@ public:
 
 private:
     /// Orders a part breadth first from `start`, component after component; returns the last face.
-    /// Each call flips the visited marks of the whole part.
+    /// Each call flips the visited marks of the whole part. Which neighbours are new can not be
+    /// foreseen, so they are appended without a branch.
     int sort_breadth_first(int begin, int end, int label, int start) {
         const std::uint8_t fresh = visited_[start];
-        int tail = begin;
-        const auto visit = [&](int face) {
-            visited_[face] = !fresh;
-            queue_[tail++] = face;
-        };
-        visit(start);
+        queue_[begin] = start;
+        mark(start, !fresh);
+        int tail = begin + 1;
         int next_unseen = begin;
-        for (int head = begin; head < end; ++head) {
+        for (int head = begin; tail < end; ++head) {
             if (head == tail) {
                 while (visited_[order_[next_unseen]] != fresh) {
                     ++next_unseen;
                 }
-                visit(order_[next_unseen]);
+                queue_[tail++] = order_[next_unseen];
+                mark(order_[next_unseen], !fresh);
             }
-            for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
-                if (neighbor >= 0 && patchwork_.label(neighbor) == label &&
-                    visited_[neighbor] == fresh) {
-                    visit(neighbor);
+            const int face = queue_[head];
+            for (int side : patchwork_.cells[face].neighbor) {
+                const int neighbor = side < 0 ? face : side;
+                const bool is_new = is_fresh(neighbor, label, fresh);
+                if (tail + 1 < end) {
+                    queue_[tail] = neighbor;
+                    tail += is_new;
+                    mark(is_new ? neighbor : face, !fresh);
+                } else if (is_new && tail < end) {
+                    queue_[tail++] = neighbor;
+                    mark(neighbor, !fresh);
                 }
             }
         }
         std::copy(queue_.begin() + begin, queue_.begin() + end, order_.begin() + begin);
         return order_[end - 1];
+    }
+
+    // Marks of faces of another part are read too, but make no difference.
+    bool is_fresh(int face, int label, std::uint8_t fresh) const {
+        const bool unmarked = __atomic_load_n(&visited_[face], __ATOMIC_RELAXED) == fresh;
+        return (patchwork_.label(face) == label) & unmarked;
+    }
+    void mark(int face, std::uint8_t value) {
+        __atomic_store_n(&visited_[face], value, __ATOMIC_RELAXED);
     }
 
     /// Where to cut an ordered part so that the left side weighs left_parts / parts of it.

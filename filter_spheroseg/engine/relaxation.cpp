@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace spheroseg {
 
@@ -38,8 +39,9 @@ public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
           workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
-          centers_(patchwork.submesh_count()), offsets_(patchwork.submesh_count(), 0.0),
-          inside_(patchwork.cells.size()), keys_(patchwork.cells.size()) {
+          centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
+          offsets_(patchwork.submesh_count(), 0.0), inside_(patchwork.cells.size() + 1),
+          keys_(patchwork.cells.size() + 1) {
         double total = 0.0;
         for (int load : patchwork.load) {
             total += load;
@@ -48,9 +50,13 @@ public:
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
             std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
-        for (Worker& worker : workers_) {
+        for (int w = 0; w < static_cast<int>(workers_.size()); ++w) {
+            Worker& worker = workers_[w];
             worker.boundary.resize(workers_.size());
             worker.load.resize(patchwork.submesh_count());
+            std::fill(worker_of_label_.begin() + begin_of(w, patchwork.submesh_count()),
+                      worker_of_label_.begin() + begin_of(w + 1, patchwork.submesh_count()),
+                      w);
         }
     }
 
@@ -79,9 +85,11 @@ private:
     struct Worker {
         /// Boundary faces of its range of faces, by the worker that has their label.
         std::vector<std::vector<int>> boundary;
+        /// Faces by distance, and where the distances change.
         std::vector<int> queue;
-        /// Faces to spread from, by distance.
-        std::vector<std::vector<int>> buckets;
+        std::vector<int> segments;
+        /// Distance at which the wave of a centre begins, and the centre.
+        std::vector<std::pair<int, int>> starts;
         std::vector<int> load;
         std::int64_t sides = 0;
     };
@@ -126,13 +134,6 @@ private:
                                 static_cast<int>(workers_.size()));
     }
 
-    int worker_of_label(int label) const {
-        const auto worker_count = static_cast<int>(workers_.size());
-        return static_cast<int>(
-            (static_cast<std::int64_t>(label) * worker_count + worker_count - 1) /
-            patchwork_.submesh_count());
-    }
-
     void list_boundary(Worker& worker, int w) {
         worker.sides = 0;
         for (std::vector<int>& faces : worker.boundary) {
@@ -148,7 +149,7 @@ private:
             inside_[f] = differing == 0;
             keys_[f].store(kUnreached, std::memory_order_relaxed);
             if (differing > 0) {
-                worker.boundary[worker_of_label(cell.label)].push_back(f);
+                worker.boundary[worker_of_label_[cell.label]].push_back(f);
                 worker.sides += differing;
             }
         }
@@ -160,30 +161,27 @@ private:
     void find_centers(Worker& worker, int w) {
         const int first = begin_of(w, patchwork_.submesh_count());
         const int end = begin_of(w + 1, patchwork_.submesh_count());
+        sort_by_ring(worker, w);
         std::fill(centers_.begin() + first, centers_.begin() + end, Center{});
-        std::vector<int>& queue = worker.queue;
-        queue.clear();
-        for (const Worker& lister : workers_) {
-            queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
-        }
-        std::size_t ring_end = queue.size();
-        int ring = 0;
-        for (std::size_t head = 0; head < queue.size(); ++head) {
-            if (head == ring_end) {
-                ring_end = queue.size();
-                ++ring;
-            }
-            const int face = queue[head];
-            const Cell& cell = patchwork_.cells[face];
-            const std::uint64_t rank = Random(iteration_, static_cast<std::uint64_t>(face)).next();
-            Center& center = centers_[cell.label];
-            if (center.ring < ring || rank < center.rank) {
-                center = {face, ring, rank};
-            }
-            for (int neighbor : cell.neighbor) {
-                if (neighbor >= 0 && inside_[neighbor]) {
-                    inside_[neighbor] = 0;
-                    queue.push_back(neighbor);
+        auto left = std::count_if(patchwork_.load.begin() + first,
+                                  patchwork_.load.begin() + end,
+                                  [](int load) { return load > 0; });
+        // From the innermost ring outwards, until all have theirs.
+        for (int ring = static_cast<int>(worker.segments.size()) - 2; ring >= 0 && left > 0;
+             --ring) {
+            for (int i = worker.segments[ring]; i < worker.segments[ring + 1]; ++i) {
+                const int face = worker.queue[i];
+                Center& center = centers_[patchwork_.cells[face].label];
+                if (center.ring > ring) {
+                    continue;
+                }
+                const std::uint64_t rank =
+                    Random(iteration_, static_cast<std::uint64_t>(face)).next();
+                if (center.ring < ring) {
+                    --left;
+                    center = {face, ring, rank};
+                } else if (rank < center.rank) {
+                    center = {face, ring, rank};
                 }
             }
         }
@@ -196,50 +194,101 @@ private:
         }
     }
 
+    /// Lists the faces of the worker's labels by their distance from the boundary: those at
+    /// distance r are queue[segments[r] .. segments[r + 1]). Which neighbours are new can not be
+    /// foreseen, so they are appended without a branch.
+    void sort_by_ring(Worker& worker, int w) {
+        std::vector<int>& queue = worker.queue;
+        queue.clear();
+        for (const Worker& lister : workers_) {
+            queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
+        }
+        const int nowhere = patchwork_.face_count();
+        auto tail = static_cast<int>(queue.size());
+        worker.segments.assign(1, 0);
+        for (int head = 0; head < tail;) {
+            const int ring_end = tail;
+            worker.segments.push_back(ring_end);
+            for (; head < ring_end; ++head) {
+                make_room(queue, tail);
+                for (int neighbor : patchwork_.cells[queue[head]].neighbor) {
+                    std::uint8_t& mark = inside_[neighbor < 0 ? nowhere : neighbor];
+                    const std::uint8_t is_new = __atomic_load_n(&mark, __ATOMIC_RELAXED);
+                    __atomic_store_n(&mark, 0, __ATOMIC_RELAXED);
+                    queue[tail] = neighbor;
+                    tail += is_new;
+                }
+            }
+        }
+    }
+
+    /// For the neighbours of one more face.
+    static void make_room(std::vector<int>& queue, int tail) {
+        if (queue.size() < static_cast<std::size_t>(tail) + 3) {
+            queue.resize(2 * static_cast<std::size_t>(tail) + 3);
+        }
+    }
+
     /// Multi-source shortest paths with a bucket queue (Dial, 1969). Each worker spreads what its
-    /// own waves reached; the result is the one fixed point, whoever comes first.
+    /// own waves reached; the result is the one fixed point, whoever comes first. All steps are
+    /// equally long, so that the buckets lie one after the other in one queue: that of distance d
+    /// ends at segments[d].
     void grow(Worker& worker, int w, double least) {
-        for (std::vector<int>& bucket : worker.buckets) {
-            bucket.clear();
-        }
-        const auto put = [&](int face, int distance) {
-            if (distance >= static_cast<int>(worker.buckets.size())) {
-                worker.buckets.resize(distance + 1);
-            }
-            worker.buckets[distance].push_back(face);
-        };
+        const int first = begin_of(w, patchwork_.submesh_count());
         const int end = begin_of(w + 1, patchwork_.submesh_count());
-        for (int l = begin_of(w, patchwork_.submesh_count()); l < end; ++l) {
+        worker.starts.clear();
+        for (int l = first; l < end; ++l) {
             if (centers_[l].face >= 0) {
-                put(centers_[l].face, static_cast<int>(offsets_[l] - least));
+                worker.starts.emplace_back(static_cast<int>(offsets_[l] - least), centers_[l].face);
             }
         }
-        for (std::size_t d = 0; d < worker.buckets.size(); ++d) {
-            for (std::size_t i = 0; i < worker.buckets[d].size(); ++i) {
-                const int face = worker.buckets[d][i];
-                const Key key = keys_[face].load(std::memory_order_relaxed);
-                const bool is_center = distance_of(key) == 0;
-                if (!is_center && distance_of(key) != static_cast<int>(d)) {
-                    continue;
-                }
-                const Key reached = make_key(static_cast<int>(d) + kStep, label_of(key));
-                for (int neighbor : patchwork_.cells[face].neighbor) {
-                    if (neighbor >= 0 && lower(keys_[neighbor], reached)) {
-                        put(neighbor, static_cast<int>(d) + kStep);
-                    }
-                }
+        std::sort(worker.starts.begin(), worker.starts.end());
+        std::vector<int>& queue = worker.queue;
+        auto next_start = worker.starts.begin();
+        int tail = 0;
+        worker.segments.clear();
+        const auto close_bucket = [&] {
+            const auto distance = static_cast<int>(worker.segments.size());
+            for (; next_start != worker.starts.end() && next_start->first == distance;
+                 ++next_start) {
+                make_room(queue, tail);
+                queue[tail++] = next_start->second;
             }
+            worker.segments.push_back(tail);
+        };
+        while (worker.segments.size() < kStep) {
+            close_bucket();
+        }
+        int head = 0;
+        for (int d = 0; head < tail || next_start != worker.starts.end(); ++d) {
+            for (; head < worker.segments[d]; ++head) {
+                make_room(queue, tail);
+                spread(queue[head], d, queue, tail);
+            }
+            close_bucket();
+        }
+    }
+
+    /// Appends the neighbours that the wave at `face` reaches first.
+    void spread(int face, int distance, std::vector<int>& queue, int& tail) {
+        const Key key = keys_[face].load(std::memory_order_relaxed);
+        const bool is_center = distance_of(key) == 0;
+        if (!is_center && distance_of(key) != distance) {
+            return; // another wave was earlier
+        }
+        const int nowhere = patchwork_.face_count();
+        const Key reached = make_key(distance + kStep, label_of(key));
+        for (int neighbor : patchwork_.cells[face].neighbor) {
+            queue[tail] = neighbor;
+            tail += lower(keys_[neighbor < 0 ? nowhere : neighbor], reached);
         }
     }
 
     bool lower(std::atomic<Key>& key, Key to) const {
         Key current = key.load(std::memory_order_relaxed);
         if (workers_.size() == 1) {
-            if (to < current) {
-                key.store(to, std::memory_order_relaxed);
-                return true;
-            }
-            return false;
+            key.store(std::min(current, to), std::memory_order_relaxed); // without a branch
+            return to < current;
         }
         while (to < current) {
             if (key.compare_exchange_weak(current, to, std::memory_order_relaxed)) {
@@ -265,9 +314,11 @@ private:
     Patchwork& patchwork_;
     std::vector<Worker> workers_;
     std::vector<Center> centers_;
+    std::vector<int> worker_of_label_;
     std::vector<double> offsets_;
-    /// Not reached yet from the boundary.
+    /// Not reached yet from the boundary. A last entry stands for what lies beyond open borders.
     std::vector<std::uint8_t> inside_;
+    /// The same.
     std::vector<std::atomic<Key>> keys_;
     std::uint64_t iteration_ = 0;
     double mean_load_ = 0.0;
