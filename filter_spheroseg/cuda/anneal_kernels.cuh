@@ -18,10 +18,13 @@ struct DevicePatches {
     bool may_close_rings;
 
     __device__ int label(int face) const { return labels[face]; }
-    __device__ int label_across(const Cell& cell, int corner) const {
-        const int face = cell.neighbor[corner];
-        return face < 0 ? -2 : labels[face];
+    __device__ int weight(int face) const { return cells[face].weight; }
+    __device__ int neighbor(int face, int corner) const { return cells[face].neighbor[corner]; }
+    __device__ int label_across(int face, int corner) const {
+        const int other = neighbor(face, corner);
+        return other < 0 ? kOpenBorder : labels[other];
     }
+    __device__ Step step_from(const Step& step) const { return step_between(cells, step); }
 };
 
 /// What the threads of a block share.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "anneal.h"
 
+#include "linked_patchwork.h"
 #include "parallel_failure.h"
 #include "phases.h"
 #include "threads.h"
@@ -19,11 +20,16 @@ class PartnerLists {
 public:
     explicit PartnerLists(int submesh_count) : lists_(submesh_count) {}
 
-    /// Begins the lists of a group's labels with its boundary faces.
-    void begin(const Patchwork& patchwork, const std::vector<int>& faces) {
-        for (int f : faces) {
-            lists_[patchwork.label(f)].faces.clear();
+    /// Empties all lists.
+    void clear() {
+        for (List& list : lists_) {
+            list.faces.clear();
+            list.capacity = partner_capacity(0);
         }
+    }
+
+    /// Begins the empty lists of a group's labels with its boundary faces.
+    void begin(const LinkedPatchwork& patchwork, const std::vector<int>& faces) {
         for (int f : faces) {
             lists_[patchwork.label(f)].faces.push_back(f);
         }
@@ -50,7 +56,7 @@ private:
 
 /// What the groups of a phase are made of.
 struct Work {
-    Patchwork& patchwork;
+    LinkedPatchwork& patchwork;
     Grouping& grouping;
     BoundaryFaces& boundary;
     PartnerLists* partners; // null without
@@ -90,7 +96,7 @@ public:
         return change;
     }
 
-    const Patchwork& patches() const { return patchwork_; }
+    const LinkedPatchwork& patches() const { return patchwork_; }
     int load(int label) const { return grouping_.load(label); }
     Random& random() { return random_; }
 
@@ -133,7 +139,7 @@ private:
         grouping_.load(to) += move.weight;
     }
 
-    Patchwork& patchwork_;
+    LinkedPatchwork& patchwork_;
     Grouping& grouping_;
     BoundaryFaces& boundary_;
     PartnerLists* const partners_;
@@ -147,6 +153,9 @@ private:
 template <typename Loads>
 std::int64_t
 run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int thread_count) {
+    if (work.partners) {
+        work.partners->clear();
+    }
     const std::vector<int> groups = work.grouping.largest_first();
     const auto group_count = static_cast<int>(groups.size());
     const auto face_count = static_cast<int>(work.boundary.faces().size());
@@ -164,24 +173,22 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
     return change;
 }
 
-/// Runs the phases of a schedule: new groups of labels in each, all groups in parallel.
-/// `loads_of(phase)` gives the rule for the loads.
-template <typename LoadsOf>
-void run_phases(Patchwork& patchwork,
+/// Runs the phases of a schedule: new groups of labels in each. `run(phase, loads, grouping,
+/// boundary)` makes the proposals of all groups and returns the change of the number of boundary
+/// edges; `loads_of(phase)` gives the rule for the loads, which are `patchwork_loads`.
+template <typename Patches, typename LoadsOf, typename Run>
+void run_phases(const Patches& patches,
+                std::vector<int>& patchwork_loads,
                 const AnnealSchedule& schedule,
                 const AnnealControl& control,
                 const char* step,
-                PartnerLists* partners,
-                LoadsOf loads_of) {
-    const int threads = resolve_thread_count(schedule.thread_count);
-    BoundaryFaces boundary(patchwork, threads);
-    std::int64_t edges = count_boundary_edges(patchwork, threads);
+                const LoadsOf& loads_of,
+                const Run& run) {
+    BoundaryFaces boundary(patches, schedule.thread_count);
+    std::int64_t edges = count_boundary_edges(patches, schedule.thread_count);
     Grouping grouping;
-    const Work work{patchwork, grouping, boundary, partners};
-    const std::unique_ptr<DeviceGroups> on_device = control.device
-        ? control.device->begin_groups(patchwork, partners != nullptr, threads)
-        : nullptr;
     const int phases = std::max(1, schedule.phase_count);
+    const double face_count = std::max<double>(1.0, static_cast<double>(boundary.faces().size()));
     for (int p = 0; p < phases; ++p) {
         if (p >= control.max_phases || (control.deadline && control.deadline->expired())) {
             return;
@@ -190,14 +197,13 @@ void run_phases(Patchwork& patchwork,
         const Deadline watch;
         Phase phase;
         phase.temperature = schedule.temperature(p);
-        phase.proposals_per_face = schedule.proposals_per_face / phases;
+        phase.proposals_per_face =
+            std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
-        const auto loads = loads_of(p);
 
-        grouping.regroup(patchwork, boundary, phase.seed, threads);
-        edges += on_device ? on_device->run(phase, loads, patchwork, grouping, boundary)
-                           : run_on_cores(work, phase, loads, threads);
-        grouping.collect(patchwork, boundary);
+        grouping.regroup(patches, patchwork_loads, boundary, phase.seed, schedule.thread_count);
+        edges += run(phase, loads_of(p), grouping, boundary);
+        grouping.collect(patchwork_loads, boundary);
         if (control.boundary_edges) {
             control.boundary_edges->push_back(static_cast<double>(edges));
             control.seconds->push_back(watch.elapsed_seconds());
@@ -205,12 +211,51 @@ void run_phases(Patchwork& patchwork,
     }
 }
 
+template <typename LoadsOf>
+void run_groups(Patchwork& patchwork,
+                const AnnealSchedule& schedule,
+                const AnnealControl& control,
+                const char* step,
+                PartnerLists* partners,
+                const LoadsOf& loads_of) {
+    const int threads = resolve_thread_count(schedule.thread_count);
+    if (control.device) {
+        const std::unique_ptr<DeviceGroups> groups =
+            control.device->begin_groups(patchwork, partners != nullptr, threads);
+        run_phases(patchwork,
+                   patchwork.load,
+                   schedule,
+                   control,
+                   step,
+                   loads_of,
+                   [&](const Phase& phase,
+                       const auto& loads,
+                       Grouping& grouping,
+                       BoundaryFaces& boundary) {
+                       return groups->run(phase, loads, patchwork, grouping, boundary);
+                   });
+        return;
+    }
+    LinkedPatchwork linked(patchwork, schedule.thread_count);
+    run_phases(
+        linked,
+        patchwork.load,
+        schedule,
+        control,
+        step,
+        loads_of,
+        [&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
+            return run_on_cores({linked, grouping, boundary, partners}, phase, loads, threads);
+        });
+    linked.give_labels(patchwork);
+}
+
 void anneal_within(Patchwork& patchwork,
                    const AnnealSchedule& schedule,
                    const AnnealControl& control,
                    const BoundedLoads& range) {
     PartnerLists partners(patchwork.submesh_count());
-    run_phases(patchwork, schedule, control, "Exchanges", &partners, [&](int) { return range; });
+    run_groups(patchwork, schedule, control, "Exchanges", &partners, [&](int) { return range; });
 }
 
 } // namespace
@@ -220,7 +265,7 @@ void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealCo
         return;
     }
     const double face_weight = mean_face_weight(patchwork);
-    run_phases(patchwork, schedule, control, "Refinement", nullptr, [&](int phase) {
+    run_groups(patchwork, schedule, control, "Refinement", nullptr, [&](int phase) {
         return FreeLoads{schedule.balance_weight(phase, face_weight)};
     });
 }

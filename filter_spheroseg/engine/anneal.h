@@ -17,6 +17,8 @@ struct AnnealSchedule {
     /// Moves tried per face that touches a boundary, over all phases.
     double proposals_per_face = 100.0;
     int phase_count = 24;
+    /// At least so many in all, however few faces there are.
+    double least_proposals = 0.0;
     /// In boundary edges; falls geometrically over the phases.
     double temperature_begin = 0.6;
     double temperature_end = 0.15;

@@ -23,53 +23,24 @@ constexpr int kPhasesPerGraph = 4;
 constexpr int kIdle = -1;
 constexpr int kNowhere = -2;
 
-bool touches_other_label(const Patchwork& patchwork, int face) {
-    const Cell& cell = patchwork.cells[face];
-    for (int neighbor : cell.neighbor) {
-        if (neighbor >= 0 && patchwork.cells[neighbor].label != cell.label) {
-            return true;
-        }
+/// The number of sides of a face beyond which another sub-mesh lies.
+template <typename Patches> int boundary_sides(const Patches& patches, int face) {
+    const int label = patches.label(face);
+    int sides = 0;
+    for (int c = 0; c < 3; ++c) {
+        const int across = patches.label_across(face, c);
+        sides += across != label && across != kOpenBorder;
     }
-    return false;
+    return sides;
 }
 
-} // namespace
-
-BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
-    : listed_(patchwork.cells.size(), 0) {
-    const int face_count = patchwork.face_count();
-    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int f = 0; f < face_count; ++f) {
-        listed_[f] = touches_other_label(patchwork, f);
-    }
-    for (int f = 0; f < face_count; ++f) {
-        if (listed_[f]) {
-            faces_.push_back(f);
-        }
-    }
-}
-
-std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) {
-    std::int64_t sides = 0;
-    const int face_count = patchwork.face_count();
-    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
-    for (int f = 0; f < face_count; ++f) {
-        const Cell& cell = patchwork.cells[f];
-        for (int neighbor : cell.neighbor) {
-            sides += neighbor >= 0 && patchwork.cells[neighbor].label != cell.label;
-        }
-    }
-    return sides / 2;
-}
-
-SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces) {
-    const int submesh_count = patchwork.submesh_count();
+template <typename Patches>
+SubmeshGraph build_submesh_graph(const Patches& patches, const std::vector<int>& faces) {
+    const int submesh_count = patches.submesh_count();
     // Boundary faces sorted by label, so that each label's neighbours are met together.
     std::vector<int> face_begin(submesh_count + 1, 0);
     for (int f : faces) {
-        ++face_begin[patchwork.cells[f].label + 1];
+        ++face_begin[patches.label(f) + 1];
     }
     for (int l = 0; l < submesh_count; ++l) {
         face_begin[l + 1] += face_begin[l];
@@ -77,7 +48,7 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     std::vector<int> sorted(faces.size());
     std::vector<int> fill(face_begin.begin(), face_begin.end() - 1);
     for (int f : faces) {
-        sorted[fill[patchwork.cells[f].label]++] = f;
+        sorted[fill[patches.label(f)]++] = f;
     }
     SubmeshGraph graph;
     graph.begin.reserve(submesh_count + 1);
@@ -86,9 +57,9 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     for (int l = 0; l < submesh_count; ++l) {
         seen[l] = l;
         for (int i = face_begin[l]; i < face_begin[l + 1]; ++i) {
-            for (int neighbor : patchwork.cells[sorted[i]].neighbor) {
-                const int other = neighbor < 0 ? l : patchwork.cells[neighbor].label;
-                if (seen[other] != l) {
+            for (int c = 0; c < 3; ++c) {
+                const int other = patches.label_across(sorted[i], c);
+                if (other != kOpenBorder && seen[other] != l) {
                     seen[other] = l;
                     graph.neighbors.push_back(other);
                 }
@@ -99,19 +70,52 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     return graph;
 }
 
-void Grouping::regroup(const Patchwork& patchwork,
+} // namespace
+
+template <typename Patches>
+BoundaryFaces::BoundaryFaces(const Patches& patches, int thread_count)
+    : listed_(patches.face_count(), 0) {
+    const int face_count = patches.face_count();
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int f = 0; f < face_count; ++f) {
+        listed_[f] = boundary_sides(patches, f) > 0;
+    }
+    for (int f = 0; f < face_count; ++f) {
+        if (listed_[f]) {
+            faces_.push_back(f);
+        }
+    }
+}
+
+template <typename Patches>
+std::int64_t count_boundary_edges(const Patches& patches, int thread_count) {
+    std::int64_t sides = 0;
+    const int face_count = patches.face_count();
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
+    for (int f = 0; f < face_count; ++f) {
+        sides += boundary_sides(patches, f);
+    }
+    return sides / 2;
+}
+
+template <typename Patches>
+void Grouping::regroup(const Patches& patches,
+                       const std::vector<int>& loads,
                        BoundaryFaces& boundary,
                        std::uint64_t seed,
                        int thread_count) {
-    const int group_count = draw_groups(patchwork, boundary, seed);
-    place_loads(patchwork, group_count);
-    place_faces(patchwork, boundary, group_count, thread_count);
+    const int group_count = draw_groups(patches, boundary, seed);
+    place_loads(loads, group_count);
+    place_faces(patches, boundary, group_count, thread_count);
 }
 
-int Grouping::draw_groups(const Patchwork& patchwork,
+template <typename Patches>
+int Grouping::draw_groups(const Patches& patches,
                           const BoundaryFaces& boundary,
                           std::uint64_t seed) {
-    const int submesh_count = patchwork.submesh_count();
+    const int submesh_count = patches.submesh_count();
     const int labels_per_group =
         std::clamp(submesh_count / kWantedGroups, kMinLabelsPerGroup, kMaxLabelsPerGroup);
     const int wanted = std::max(1, submesh_count / labels_per_group);
@@ -119,7 +123,7 @@ int Grouping::draw_groups(const Patchwork& patchwork,
     int group_count = wanted;
     if (wanted > 1) {
         if (phase_++ % kPhasesPerGraph == 0) {
-            graph_ = build_submesh_graph(patchwork, boundary.faces());
+            graph_ = build_submesh_graph(patches, boundary.faces());
         }
         Random random(seed, 0x67726f7570ULL);
         std::vector<int> queue;
@@ -153,13 +157,13 @@ int Grouping::draw_groups(const Patchwork& patchwork,
     return group_count;
 }
 
-int Grouping::place_of(const Patchwork& patchwork, int face) const {
-    const Cell& cell = patchwork.cells[face];
-    const int group = group_of_label_[cell.label];
+template <typename Patches> int Grouping::place_of(const Patches& patches, int face) const {
+    const int label = patches.label(face);
+    const int group = group_of_label_[label];
     int place = kNowhere;
-    for (int neighbor : cell.neighbor) {
-        const int other = neighbor < 0 ? cell.label : patchwork.cells[neighbor].label;
-        if (other != cell.label) {
+    for (int c = 0; c < 3; ++c) {
+        const int other = patches.label_across(face, c);
+        if (other != label && other != kOpenBorder) {
             if (group_of_label_[other] == group) {
                 return group;
             }
@@ -169,7 +173,8 @@ int Grouping::place_of(const Patchwork& patchwork, int face) const {
     return place;
 }
 
-void Grouping::place_faces(const Patchwork& patchwork,
+template <typename Patches>
+void Grouping::place_faces(const Patches& patches,
                            BoundaryFaces& boundary,
                            int group_count,
                            int thread_count) {
@@ -179,7 +184,7 @@ void Grouping::place_faces(const Patchwork& patchwork,
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int i = 0; i < face_count; ++i) {
-        places_[i] = place_of(patchwork, faces[i]);
+        places_[i] = place_of(patches, faces[i]);
     }
     faces_.assign(group_count, {});
     idle_faces_.clear();
@@ -192,7 +197,7 @@ void Grouping::place_faces(const Patchwork& patchwork,
     }
 }
 
-void Grouping::place_loads(const Patchwork& patchwork, int group_count) {
+void Grouping::place_loads(const std::vector<int>& loads, int group_count) {
     std::vector<int> next(group_count + 1, 0);
     for (int group : group_of_label_) {
         ++next[group + 1];
@@ -205,7 +210,7 @@ void Grouping::place_loads(const Patchwork& patchwork, int group_count) {
     slot_of_label_.resize(group_of_label_.size());
     for (std::size_t l = 0; l < group_of_label_.size(); ++l) {
         slot_of_label_[l] = next[group_of_label_[l]]++;
-        loads_[slot_of_label_[l]] = patchwork.load[l];
+        loads_[slot_of_label_[l]] = loads[l];
     }
 }
 
@@ -218,14 +223,23 @@ std::vector<int> Grouping::largest_first() const {
     return groups;
 }
 
-void Grouping::collect(Patchwork& patchwork, BoundaryFaces& boundary) {
+void Grouping::collect(std::vector<int>& loads, BoundaryFaces& boundary) {
     for (std::size_t l = 0; l < slot_of_label_.size(); ++l) {
-        patchwork.load[l] = loads_[slot_of_label_[l]];
+        loads[l] = loads_[slot_of_label_[l]];
     }
     boundary.faces() = idle_faces_;
     for (const std::vector<int>& faces : faces_) {
         boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());
     }
 }
+
+template BoundaryFaces::BoundaryFaces(const Patchwork&, int);
+template BoundaryFaces::BoundaryFaces(const LinkedPatchwork&, int);
+template std::int64_t count_boundary_edges(const Patchwork&, int);
+template std::int64_t count_boundary_edges(const LinkedPatchwork&, int);
+template void
+Grouping::regroup(const Patchwork&, const std::vector<int>&, BoundaryFaces&, std::uint64_t, int);
+template void Grouping::regroup(
+    const LinkedPatchwork&, const std::vector<int>&, BoundaryFaces&, std::uint64_t, int);
 
 } // namespace spheroseg

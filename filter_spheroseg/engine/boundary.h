@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "patchwork.h"
+#include "linked_patchwork.h"
 
 #include <cstdint>
 
 namespace spheroseg {
 
+// `Patches` is a Patchwork or a LinkedPatchwork.
+
 /// The faces that may touch another sub-mesh: all that do, and some that did.
 class BoundaryFaces {
 public:
     /// Finds them in O(F).
-    BoundaryFaces(const Patchwork& patchwork, int thread_count);
+    template <typename Patches> BoundaryFaces(const Patches& patches, int thread_count);
 
     std::vector<int>& faces() { return faces_; }
     const std::vector<int>& faces() const { return faces_; }
@@ -23,11 +25,15 @@ public:
     void unlist(int face) { listed_[face] = 0; }
 
     /// Appends to `faces` the neighbours of a face that left sub-mesh `label` and are still in it.
-    void list_neighbors(const Patchwork& patchwork, int face, int label, std::vector<int>& faces) {
-        for (int neighbor : patchwork.cells[face].neighbor) {
-            if (neighbor >= 0 && patchwork.label(neighbor) == label && !listed_[neighbor]) {
-                listed_[neighbor] = 1;
-                faces.push_back(neighbor);
+    template <typename Patches>
+    void list_neighbors(const Patches& patches, int face, int label, std::vector<int>& faces) {
+        for (int c = 0; c < 3; ++c) {
+            if (patches.label_across(face, c) == label) {
+                const int neighbor = patches.neighbor(face, c);
+                if (!listed_[neighbor]) {
+                    listed_[neighbor] = 1;
+                    faces.push_back(neighbor);
+                }
             }
         }
     }
@@ -38,7 +44,8 @@ private:
 };
 
 /// Edges between sub-meshes, each counted once.
-std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count);
+template <typename Patches>
+std::int64_t count_boundary_edges(const Patches& patches, int thread_count);
 
 /// Which sub-meshes touch which: the neighbours of label l are
 /// neighbors[begin[l] .. begin[l + 1]), in the order in which the boundary faces name them.
@@ -46,13 +53,15 @@ struct SubmeshGraph {
     std::vector<int> begin;
     std::vector<int> neighbors;
 };
-SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces);
 
 /// Parts the sub-meshes into groups of neighbours, and the boundary faces with them.
 class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
-    void regroup(const Patchwork& patchwork,
+    /// `loads` has one entry per label.
+    template <typename Patches>
+    void regroup(const Patches& patches,
+                 const std::vector<int>& loads,
                  BoundaryFaces& boundary,
                  std::uint64_t seed,
                  int thread_count);
@@ -66,17 +75,17 @@ public:
     int load(int label) const { return loads_[slot_of_label_[label]]; }
     int& load(int label) { return loads_[slot_of_label_[label]]; }
     /// Gives the faces and the loads back.
-    void collect(Patchwork& patchwork, BoundaryFaces& boundary);
+    void collect(std::vector<int>& loads, BoundaryFaces& boundary);
 
 private:
     /// Returns the number of groups.
-    int draw_groups(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
-    void place_loads(const Patchwork& patchwork, int group_count);
-    int place_of(const Patchwork& patchwork, int face) const;
-    void place_faces(const Patchwork& patchwork,
-                     BoundaryFaces& boundary,
-                     int group_count,
-                     int thread_count);
+    template <typename Patches>
+    int draw_groups(const Patches& patches, const BoundaryFaces& boundary, std::uint64_t seed);
+    void place_loads(const std::vector<int>& loads, int group_count);
+    template <typename Patches> int place_of(const Patches& patches, int face) const;
+    template <typename Patches>
+    void
+    place_faces(const Patches& patches, BoundaryFaces& boundary, int group_count, int thread_count);
 
     SubmeshGraph graph_;
     int phase_ = 0;

@@ -36,7 +36,7 @@ bool list_around(const Patchwork& patchwork, int face, int corner, std::vector<i
     for (int exit : {corner, previous_corner(corner)}) {
         Step step{face, corner, exit};
         for (;;) {
-            const int next = patchwork.cells[step.face].neighbor[step.exit];
+            const int next = patchwork.neighbor(step.face, step.exit);
             if (next == face) {
                 return true;
             }
@@ -44,7 +44,7 @@ bool list_around(const Patchwork& patchwork, int face, int corner, std::vector<i
                 break;
             }
             around.push_back(next);
-            step = step_to(patchwork, step, next);
+            step = patchwork.step_from(step);
         }
         std::reverse(around.begin(), around.end());
     }

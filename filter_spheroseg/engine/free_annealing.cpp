@@ -32,7 +32,7 @@ private:
         int across[3];
         int others = 0;
         for (int c = 0; c < 3; ++c) {
-            across[c] = patchwork_.label_across(cell, c);
+            across[c] = patchwork_.label_across(face, c);
             others += across[c] >= 0 && across[c] != from;
         }
         if (others == 0) {

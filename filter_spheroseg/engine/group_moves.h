@@ -20,8 +20,6 @@ namespace spheroseg {
 constexpr double kLikelyCost = 0.5;
 /// Faces of the other sub-mesh that are tried as the second half of an exchange.
 constexpr int kPartnerTries = 16;
-/// The most that a single move back can save.
-constexpr int kBestPartner = 1;
 
 /// The settings of one phase of an annealing.
 struct Phase {
@@ -82,10 +80,9 @@ SPHEROSEG_INNER Drawn draw_proposal(const Patches& patches,
                                     std::uint64_t bits,
                                     Proposal& proposal) {
     const int label = patches.label(face);
-    const Cell& cell = patches.cells[face];
-    const int across[3] = {patches.label_across(cell, 0),
-                           patches.label_across(cell, 1),
-                           patches.label_across(cell, 2)};
+    const int across[3] = {patches.label_across(face, 0),
+                           patches.label_across(face, 1),
+                           patches.label_across(face, 2)};
     const auto differs = [&](int c) {
         return static_cast<unsigned>(across[c] >= 0 && across[c] != label);
     };
@@ -109,7 +106,7 @@ SPHEROSEG_INNER Drawn draw_proposal(const Patches& patches,
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool describe(const Patches& patches, const Proposal& proposal, Fan& fan) {
     return proposal.as_fan
-        ? describe_fan(patches, proposal.face, proposal.corner, proposal.forward, fan)
+        ? describe_shorter_fan(patches, proposal.face, proposal.corner, proposal.forward, fan)
         : describe_single(patches, proposal.face, proposal.corner, fan.move);
 }
 
@@ -157,14 +154,11 @@ struct BoundedLoads {
     int floor;
     int ceiling;
 
-    /// Whether the move is allowed and, were it alone or with the best move back, costs no more
-    /// than it may. Fills `fan`.
+    /// Whether the move is allowed and costs no more than it may. Fills `fan`.
     template <typename Group>
     SPHEROSEG_HOST_DEVICE bool wants(const Group& group, const Proposal& proposal, Fan& fan) const {
         const auto& patches = group.patches();
-        return describe(patches, proposal, fan) &&
-            fan.move.boundary_change <=
-            proposal.allowance + (keeps_range(group, fan.move) ? 0 : kBestPartner) &&
+        return describe(patches, proposal, fan) && fan.move.boundary_change <= proposal.allowance &&
             is_allowed(patches, proposal, fan);
     }
 
@@ -211,18 +205,20 @@ private:
                 group.drop_partner(first.to, index);
                 continue;
             }
-            int corner = 0;
-            while (corner < 3 && patches.label_across(patches.cells[face], corner) != first.from) {
-                ++corner;
-            }
-            if (corner == 3) {
+            // The first side that touches the other sub-mesh, counted without branches.
+            const int misses = patches.label_across(face, 0) != first.from;
+            const int more = misses & (patches.label_across(face, 1) != first.from);
+            const int all = more & (patches.label_across(face, 2) != first.from);
+            if (all) {
                 continue;
             }
-            const Proposal partner{
-                face, corner, first.face_count > 1, ((bits >> 1) & 1) != 0, allowance};
-            if (describe(patches, partner, back) && back.move.to == first.from &&
+            const int corner = misses + more;
+            const bool as_fan = first.face_count > 1;
+            if ((as_fan ? describe_fan(patches, face, corner, (bits >> 1) & 1, back)
+                        : describe_single(patches, face, corner, back.move)) &&
                 back.move.boundary_change <= allowance && keeps_range(group, back.move) &&
-                is_allowed(patches, partner, back)) {
+                (as_fan ? fan_is_allowed(patches, back)
+                        : single_is_allowed(patches, face, corner, back.move))) {
                 return true;
             }
         }
@@ -235,9 +231,9 @@ private:
         for (int i = 0; i < move.face_count; ++i) {
             const int face = move.faces[i];
             group.add_partner(move.to, face);
-            for (int neighbor : patches.cells[face].neighbor) {
-                if (neighbor >= 0 && patches.label(neighbor) == move.from) {
-                    group.add_partner(move.from, neighbor);
+            for (int c = 0; c < 3; ++c) {
+                if (patches.label_across(face, c) == move.from) {
+                    group.add_partner(move.from, patches.neighbor(face, c));
                 }
             }
         }

@@ -2,8 +2,9 @@
 #pragma once
 
 // The moves of the refinement and the tests which of them keep sub-meshes connected and free of
-// bowties. `Patches` is a labelled mesh: Patchwork, or what a GPU holds of one. It has `cells`,
-// `label(face)`, `label_across(cell, corner)` and `may_close_rings`, as Patchwork has.
+// bowties. `Patches` is a labelled mesh: Patchwork, LinkedPatchwork, or what a GPU holds of one.
+// It has `label(face)`, `weight(face)`, `neighbor(face, corner)`, `label_across(face, corner)`,
+// `step_from(step)` and `may_close_rings`, as Patchwork has.
 
 #include "host_device.h"
 
@@ -19,6 +20,9 @@ struct alignas(32) Cell {
     /// Faces of the input mesh that this face stands for.
     int weight;
 };
+
+/// The label across a side on an open border.
+constexpr int kOpenBorder = -2;
 
 // A table on the cores; a GPU, which has none in its registers, shifts the same entries of two
 // bits.
@@ -59,17 +63,17 @@ struct Step {
     SPHEROSEG_HOST_DEVICE int to() const { return exit == at ? next_corner(at) : exit; }
 };
 
-/// The step across `step.exit` to `next`, the face there.
-template <typename Patches>
-SPHEROSEG_HOST_DEVICE Step step_to(const Patches& patches, const Step& step, int next) {
-    const Cell& left = patches.cells[step.face];
-    const Cell& entered = patches.cells[next];
+/// The step across `step.exit` to the face there, which must be one.
+SPHEROSEG_HOST_DEVICE inline Step step_between(const Cell* cells, const Step& step) {
+    const Cell& left = cells[step.face];
+    const int next = left.neighbor[step.exit];
+    const Cell& entered = cells[next];
     const int at = corner_of(entered, left.vertex[step.at]);
     const bool along = entered.vertex[next_corner(at)] != left.vertex[step.to()];
     return {next, at, along ? at : previous_corner(at)};
 }
 
-/// Calls `visit(face)` for the faces around the vertex at `corner` of `face`, without `face`
+/// Calls `visit(face, label)` for the faces around the vertex at `corner` of `face`, without `face`
 /// itself, until it answers false. Returns false when it did, or when `stop_at_border` and the
 /// vertex lies on an open border.
 template <typename Patches, typename Visit>
@@ -78,17 +82,17 @@ walk_around(const Patches& patches, int face, int corner, bool stop_at_border, V
     for (int side = 0; side < 2; ++side) {
         Step step{face, corner, side == 0 ? corner : previous_corner(corner)};
         for (;;) {
-            const int next = patches.cells[step.face].neighbor[step.exit];
+            const int next = patches.neighbor(step.face, step.exit);
             if (next == face) {
                 return true;
             }
             if (next < 0) {
                 break;
             }
-            if (!visit(next)) {
+            if (!visit(next, patches.label_across(step.face, step.exit))) {
                 return false;
             }
-            step = step_to(patches, step, next);
+            step = patches.step_from(step);
         }
         if (stop_at_border) {
             return false;
@@ -102,7 +106,7 @@ template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
 no_label_around(const Patches& patches, int face, int corner, int label) {
     return walk_around(
-        patches, face, corner, false, [&](int f) { return patches.label(f) != label; });
+        patches, face, corner, false, [&](int, int around) { return around != label; });
 }
 
 /// The vertex is not on an open border and all faces around it have `label`.
@@ -110,7 +114,7 @@ template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
 all_label_around(const Patches& patches, int face, int corner, int label) {
     return walk_around(
-        patches, face, corner, true, [&](int f) { return patches.label(f) == label; });
+        patches, face, corner, true, [&](int, int around) { return around == label; });
 }
 
 /// A set of faces of one label around one vertex that may pass to another label.
@@ -130,14 +134,13 @@ struct Move {
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
 describe_single(const Patches& patches, int face, int corner, Move& move) {
-    const Cell& cell = patches.cells[face];
     const int from = patches.label(face);
-    const int to = patches.label_across(cell, corner);
+    const int to = patches.label_across(face, corner);
     if (to < 0 || to == from) {
         return false;
     }
-    const int other[2] = {patches.label_across(cell, next_corner(corner)),
-                          patches.label_across(cell, previous_corner(corner))};
+    const int other[2] = {patches.label_across(face, next_corner(corner)),
+                          patches.label_across(face, previous_corner(corner))};
     const int from_edges = (other[0] == from) + (other[1] == from);
     const int to_edges = 1 + (other[0] == to) + (other[1] == to);
     if (from_edges == 0) {
@@ -148,7 +151,7 @@ describe_single(const Patches& patches, int face, int corner, Move& move) {
     move.from = from;
     move.to = to;
     move.boundary_change = from_edges - to_edges;
-    move.weight = cell.weight;
+    move.weight = patches.weight(face);
     return true;
 }
 
@@ -172,47 +175,96 @@ struct Fan {
     Step steps[Move::kMaxFaces];
 };
 
+/// Where a walk around one end of the edge of `face` at `corner` begins on the side of `face`: at
+/// the end of the edge if `forward`, else at its begin, away from the edge.
+SPHEROSEG_INNER Step begin_fan(int face, int corner, bool forward) {
+    return forward ? Step{face, next_corner(corner), next_corner(corner)}
+                   : Step{face, corner, previous_corner(corner)};
+}
+
+/// Fills in `fan.move` for the first `face_count` steps of the fan. `beyond` is the label across
+/// the exit of the last one.
+template <typename Patches>
+SPHEROSEG_HOST_DEVICE void
+finish_fan(const Patches& patches, int face_count, int from, int to, int beyond, Fan& fan) {
+    Move& move = fan.move;
+    move.from = from;
+    move.to = to;
+    move.face_count = face_count;
+    move.weight = 0;
+    int change = -1 - (beyond == to);
+    for (int i = 0; i < face_count; ++i) {
+        const Step& step = fan.steps[i];
+        const int outside = patches.label_across(step.face, next_corner(step.at));
+        change += (outside == from) - (outside == to);
+        move.faces[i] = step.face;
+        move.weight += patches.weight(step.face);
+    }
+    move.boundary_change = change;
+}
+
 /// Describes the move of all faces with the label of `face` around one end of its edge at `corner`
 /// (the end of the edge if `forward`, else its begin) to the label across that edge. False when
 /// there is the same label or none, or too many faces.
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
 describe_fan(const Patches& patches, int face, int corner, bool forward, Fan& fan) {
-    const int label = patches.label(face);
-    Move& move = fan.move;
-    move.from = label;
-    move.to = patches.label_across(patches.cells[face], corner);
-    if (move.to < 0 || move.to == label) {
+    const int from = patches.label(face);
+    const int to = patches.label_across(face, corner);
+    if (to < 0 || to == from) {
         return false;
     }
-    move.face_count = 0;
-    move.weight = 0;
-    int change = -1;
-    Step step = forward ? Step{face, next_corner(corner), next_corner(corner)}
-                        : Step{face, corner, previous_corner(corner)};
-    for (;;) {
-        if (move.face_count == Move::kMaxFaces) {
-            return false;
+    Step step = begin_fan(face, corner, forward);
+    for (int i = 0; i < Move::kMaxFaces; ++i) {
+        fan.steps[i] = step;
+        const int beyond = patches.label_across(step.face, step.exit);
+        if (beyond != from) {
+            finish_fan(patches, i + 1, from, to, beyond, fan);
+            return true;
         }
-        const Cell& cell = patches.cells[step.face];
-        fan.steps[move.face_count] = step;
-        move.faces[move.face_count++] = step.face;
-        move.weight += cell.weight;
-        const int outside = patches.label_across(cell, next_corner(step.at));
-        change += (outside == label) - (outside == move.to);
-        const int next = cell.neighbor[step.exit];
-        const int next_label = next < 0 ? -2 : patches.label(next);
-        if (next_label != label) {
-            change -= next_label == move.to;
-            break;
-        }
-        step = step_to(patches, step, next);
+        step = patches.step_from(step);
     }
-    move.boundary_change = change;
-    return true;
+    return false;
 }
 
-/// True when a move from describe_fan keeps both sub-meshes connected and free of bowties.
+/// Describes the move of the shorter one of two fans that face each other: all faces with the
+/// label of `face` around that end of its edge at `corner`, or all with the label across the edge,
+/// to the other label. Of equally long ones it is that of `face`: the drawn one. The longer one
+/// rarely pays, since every face of a fan but two adds a boundary edge.
+template <typename Patches>
+SPHEROSEG_HOST_DEVICE bool
+describe_shorter_fan(const Patches& patches, int face, int corner, bool forward, Fan& fan) {
+    const int label = patches.label(face);
+    const int other = patches.label_across(face, corner);
+    if (other < 0 || other == label) {
+        return false;
+    }
+    Step across[Move::kMaxFaces];
+    Step step = begin_fan(face, corner, forward);
+    Step step_across = patches.step_from({face, step.at, corner});
+    for (int i = 0; i < Move::kMaxFaces; ++i) {
+        fan.steps[i] = step;
+        across[i] = step_across;
+        const int beyond = patches.label_across(step.face, step.exit);
+        if (beyond != label) {
+            finish_fan(patches, i + 1, label, other, beyond, fan);
+            return true;
+        }
+        const int beyond_across = patches.label_across(step_across.face, step_across.exit);
+        if (beyond_across != other) {
+            for (int j = 0; j <= i; ++j) {
+                fan.steps[j] = across[j];
+            }
+            finish_fan(patches, i + 1, other, label, beyond_across, fan);
+            return true;
+        }
+        step = patches.step_from(step);
+        step_across = patches.step_from(step_across);
+    }
+    return false;
+}
+
+/// True when such a move of a fan keeps both sub-meshes connected and free of bowties.
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool fan_is_allowed(const Patches& patches, const Fan& fan) {
     const Move& move = fan.move;
@@ -225,7 +277,7 @@ SPHEROSEG_HOST_DEVICE bool fan_is_allowed(const Patches& patches, const Fan& fan
     int to_runs = 1;
     for (int i = 0; i < move.face_count; ++i) {
         const Step& step = fan.steps[i];
-        const int outside = patches.label_across(patches.cells[step.face], next_corner(step.at));
+        const int outside = patches.label_across(step.face, next_corner(step.at));
         const bool touches_from = outside == move.from;
         const bool touches_to = outside == move.to;
         if (touches_from && !previous_from && ++runs > 1) {
@@ -244,7 +296,7 @@ SPHEROSEG_HOST_DEVICE bool fan_is_allowed(const Patches& patches, const Fan& fan
         previous_to = touches_to;
     }
     const Step& last = fan.steps[move.face_count - 1];
-    const bool ends_at_to = patches.label_across(patches.cells[last.face], last.exit) == move.to;
+    const bool ends_at_to = patches.label_across(last.face, last.exit) == move.to;
     if (!previous_to && !ends_at_to && !no_label_around(patches, last.face, last.to(), move.to)) {
         return false;
     }

@@ -18,7 +18,7 @@ bool may_join(const Patchwork& patchwork, int face, int to) {
     int edges = 0;
     int corner = 0;
     for (int c = 0; c < 3; ++c) {
-        if (patchwork.label_across(patchwork.cells[face], c) == to) {
+        if (patchwork.label_across(face, c) == to) {
             ++edges;
             corner = c;
         }

@@ -25,11 +25,15 @@ struct Patchwork {
     int submesh_count() const { return static_cast<int>(load.size()); }
 
     int label(int face) const { return __atomic_load_n(&cells[face].label, __ATOMIC_RELAXED); }
-    /// The label of the face across an edge; -2 on an open border.
-    int label_across(const Cell& cell, int corner) const {
-        const int face = cell.neighbor[corner];
-        return face < 0 ? -2 : label(face);
+    int weight(int face) const { return cells[face].weight; }
+    /// The face across an edge; -1 on an open border.
+    int neighbor(int face, int corner) const { return cells[face].neighbor[corner]; }
+    /// Its label; kOpenBorder if there is none.
+    int label_across(int face, int corner) const {
+        const int other = neighbor(face, corner);
+        return other < 0 ? kOpenBorder : label(other);
     }
+    Step step_from(const Step& step) const { return step_between(cells.data(), step); }
     void set_label(int face, int new_label) {
         __atomic_store_n(&cells[face].label, new_label, __ATOMIC_RELAXED);
     }

@@ -150,7 +150,7 @@ private:
     /// the label of that face, if that makes no bowtie.
     bool join_fan(int face, int label) {
         for (int c = 0; c < 3; ++c) {
-            if (patchwork_.label_across(patchwork_.cells[face], c) != label) {
+            if (patchwork_.label_across(face, c) != label) {
                 continue;
             }
             for (bool forward : {false, true}) {
@@ -172,8 +172,7 @@ private:
         bool previous_touches = true;
         for (int i = 0; i < fan.move.face_count; ++i) {
             const Step& step = fan.steps[i];
-            const Cell& cell = patchwork_.cells[step.face];
-            const bool touches = patchwork_.label_across(cell, next_corner(step.at)) == to;
+            const bool touches = patchwork_.label_across(step.face, next_corner(step.at)) == to;
             if (!touches && !previous_touches &&
                 !no_label_around(patchwork_, step.face, step.from(), to)) {
                 return false;
@@ -181,8 +180,7 @@ private:
             previous_touches = touches;
         }
         const Step& last = fan.steps[fan.move.face_count - 1];
-        return previous_touches ||
-            patchwork_.label_across(patchwork_.cells[last.face], last.exit) == to ||
+        return previous_touches || patchwork_.label_across(last.face, last.exit) == to ||
             no_label_around(patchwork_, last.face, last.to(), to);
     }
 
@@ -244,14 +242,13 @@ private:
     /// The face's sub-mesh has other faces, and at each corner where it lies between two of them
     /// they meet around the corner too.
     bool can_spare(int face) const {
-        const Cell& cell = patchwork_.cells[face];
-        const int label = cell.label;
+        const int label = patchwork_.label(face);
         if (label < 0) {
             return false;
         }
         bool same[3];
         for (int c = 0; c < 3; ++c) {
-            same[c] = patchwork_.label_across(cell, c) == label;
+            same[c] = patchwork_.label_across(face, c) == label;
         }
         for (int c = 0; c < 3; ++c) {
             if (same[c] && same[previous_corner(c)] &&
@@ -277,7 +274,7 @@ private:
             }
             int best = -1;
             for (int c = 0; c < 3; ++c) {
-                const int label = patchwork_.label_across(patchwork_.cells[face], c);
+                const int label = patchwork_.label_across(face, c);
                 if (label >= 0 && label != best && may_join(patchwork_, face, label) &&
                     (best < 0 || patchwork_.load[label] < patchwork_.load[best])) {
                     best = label;
@@ -296,7 +293,7 @@ private:
 
     bool joins_any_fan(int face) {
         for (int c = 0; c < 3; ++c) {
-            const int label = patchwork_.label_across(patchwork_.cells[face], c);
+            const int label = patchwork_.label_across(face, c);
             if (label >= 0 && join_fan(face, label)) {
                 return true;
             }
@@ -321,7 +318,7 @@ private:
                     continue;
                 }
                 for (int c = 0; c < 3; ++c) {
-                    const int label = patchwork_.label_across(patchwork_.cells[f], c);
+                    const int label = patchwork_.label_across(f, c);
                     if (label >= 0) {
                         take(f, label);
                         ++forced;

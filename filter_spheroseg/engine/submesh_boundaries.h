@@ -30,7 +30,7 @@ public:
             const int face = faces[i];
             bool touches = false;
             for (int c = 0; c < 3 && patchwork_.label(face) == label; ++c) {
-                const int across = patchwork_.label_across(patchwork_.cells[face], c);
+                const int across = patchwork_.label_across(face, c);
                 if (across >= 0 && across != label) {
                     touches = true;
                     visit(face, c, across);

@@ -21,9 +21,9 @@ constexpr double kHeaviest = 2.0;
 
 /// Sides at the vertex at `corner` of a face across which another label or an open border lies.
 int fan_ends(const Patchwork& patchwork, int face, int corner) {
-    const Cell& cell = patchwork.cells[face];
-    return (patchwork.label_across(cell, corner) != cell.label) +
-        (patchwork.label_across(cell, previous_corner(corner)) != cell.label);
+    const int label = patchwork.label(face);
+    return (patchwork.label_across(face, corner) != label) +
+        (patchwork.label_across(face, previous_corner(corner)) != label);
 }
 
 /// More than one fan of the face's sub-mesh lies around the vertex at `corner`.
@@ -31,10 +31,9 @@ bool has_bowtie_at(const Patchwork& patchwork, int face, int corner) {
     const int vertex = patchwork.cells[face].vertex[corner];
     const int label = patchwork.cells[face].label;
     int ends = fan_ends(patchwork, face, corner);
-    walk_around(patchwork, face, corner, false, [&](int f) {
-        const Cell& cell = patchwork.cells[f];
-        if (cell.label == label) {
-            ends += fan_ends(patchwork, f, corner_of(cell, vertex));
+    walk_around(patchwork, face, corner, false, [&](int f, int around) {
+        if (around == label) {
+            ends += fan_ends(patchwork, f, corner_of(patchwork.cells[f], vertex));
         }
         return ends <= 2;
     });

@@ -78,7 +78,7 @@ TEST(Branches, KeepBothSubmeshesSoundOnSurfacesFullOfHoles) {
         Branches branches(patchwork);
         for (int f = 0; f < patchwork.face_count(); ++f) {
             for (int c = 0; c < 3; ++c) {
-                const int to = patchwork.label_across(patchwork.cells[f], c);
+                const int to = patchwork.label_across(f, c);
                 if (to < 0 || to == patchwork.label(f)) {
                     continue;
                 }

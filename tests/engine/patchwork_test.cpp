@@ -6,6 +6,7 @@
 #include "bisection.h"
 #include "boundary.h"
 #include "free_annealing.h"
+#include "linked_patchwork.h"
 #include "patchwork_meshes.h"
 #include "relaxation.h"
 
@@ -78,6 +79,108 @@ TEST(Patchwork, FanMovesThatAreAllowedKeepBothSubmeshesSound) {
         }
     }
     EXPECT_GT(allowed_count, 200);
+}
+
+TEST(Patchwork, TheShorterOfTwoFansIsTheShorterOneOfThoseThatBothFacesDescribe) {
+    int turned_away = 0;
+    int compared = 0;
+    for (const TriangleMesh& mesh :
+         {flipped_sphere(2, 60), grid_with_holes(12), moebius_strip(30, 5)}) {
+        const Levels levels(mesh);
+        const Patchwork patchwork = ragged_patchwork(levels, 12, 4);
+        const Measures before = measures_of(levels, patchwork);
+        for (int i = 0; i < 6 * patchwork.face_count(); ++i) {
+            const int face = i / 6;
+            const int corner = i % 3;
+            const bool forward = (i / 3) % 2 != 0;
+            Fan own;
+            Fan shorter;
+            const bool has_own = describe_fan(patchwork, face, corner, forward, own);
+            const bool has_shorter =
+                describe_shorter_fan(patchwork, face, corner, forward, shorter);
+            if (patchwork.label_across(face, corner) < 0 ||
+                patchwork.label_across(face, corner) == patchwork.label(face)) {
+                EXPECT_FALSE(has_shorter);
+                continue;
+            }
+            // The same vertex and edge, seen from the face across.
+            const Cell& cell = patchwork.cells[face];
+            const int vertex = cell.vertex[forward ? next_corner(corner) : corner];
+            const int far_vertex = cell.vertex[forward ? corner : next_corner(corner)];
+            const int across = cell.neighbor[corner];
+            const Cell& other_cell = patchwork.cells[across];
+            const int at = corner_of(other_cell, vertex);
+            const bool ends_at_vertex = other_cell.vertex[next_corner(at)] != far_vertex;
+            Fan other;
+            const bool has_other = describe_fan(patchwork,
+                                                across,
+                                                ends_at_vertex ? previous_corner(at) : at,
+                                                ends_at_vertex,
+                                                other);
+            ASSERT_EQ(has_shorter, has_own || has_other);
+            if (!has_shorter) {
+                continue;
+            }
+            const bool is_other =
+                !has_own || (has_other && other.move.face_count < own.move.face_count);
+            const Move& expected = is_other ? other.move : own.move;
+            EXPECT_EQ(shorter.move.from, expected.from);
+            EXPECT_EQ(shorter.move.to, expected.to);
+            EXPECT_EQ(shorter.move.weight, expected.weight);
+            EXPECT_EQ(shorter.move.boundary_change, expected.boundary_change);
+            EXPECT_TRUE(std::equal(shorter.move.faces,
+                                   shorter.move.faces + shorter.move.face_count,
+                                   expected.faces,
+                                   expected.faces + expected.face_count));
+            EXPECT_EQ(fan_is_allowed(patchwork, shorter),
+                      fan_is_allowed(patchwork, is_other ? other : own));
+            EXPECT_EQ(after(levels, patchwork, shorter.move).boundary_edge_count -
+                          before.boundary_edge_count,
+                      shorter.move.boundary_change);
+            turned_away += is_other;
+            ++compared;
+        }
+    }
+    EXPECT_GT(compared, 1000);
+    EXPECT_GT(turned_away, 100);
+}
+
+TEST(Patchwork, LinkedCellsTellTheSameAsTheirPatchwork) {
+    for (const TriangleMesh& mesh :
+         {flipped_sphere(2, 60), grid_with_holes(12), torus(9, 4), moebius_strip(30, 5)}) {
+        const Levels levels(mesh);
+        Patchwork patchwork = ragged_patchwork(levels, 12, 4);
+        LinkedPatchwork linked(patchwork, 2);
+        Random random(5);
+        for (int round = 0; round < 3; ++round) {
+            for (int f = 0; f < patchwork.face_count(); ++f) {
+                EXPECT_EQ(linked.label(f), patchwork.label(f));
+                EXPECT_EQ(linked.weight(f), patchwork.weight(f));
+                for (int c = 0; c < 3; ++c) {
+                    EXPECT_EQ(linked.neighbor(f, c), patchwork.neighbor(f, c));
+                    EXPECT_EQ(linked.label_across(f, c), patchwork.label_across(f, c));
+                    for (int at : {c, next_corner(c)}) {
+                        if (patchwork.neighbor(f, c) >= 0) {
+                            const Step expected = patchwork.step_from({f, at, c});
+                            const Step found = linked.step_from({f, at, c});
+                            EXPECT_EQ(found.face, expected.face);
+                            EXPECT_EQ(found.at, expected.at);
+                            EXPECT_EQ(found.exit, expected.exit);
+                        }
+                    }
+                }
+            }
+            for (int i = 0; i < patchwork.face_count(); ++i) {
+                const auto face = static_cast<int>(random.below(patchwork.face_count()));
+                const auto label = static_cast<int>(random.below(12));
+                linked.set_label(face, label);
+                patchwork.set_label(face, label);
+            }
+        }
+        Patchwork given = ragged_patchwork(levels, 12, 4);
+        linked.give_labels(given);
+        EXPECT_EQ(labels_of(given), labels_of(patchwork));
+    }
 }
 
 void expect_sound_levels(const Levels& levels) {

@@ -184,6 +184,29 @@ inline TriangleMesh grid_with_holes(int side) {
     return mesh;
 }
 
+/// A band of 2 * around * across faces that is glued to itself the other way round: no common
+/// orientation of all faces exists.
+inline TriangleMesh moebius_strip(int around, int across) {
+    TriangleMesh mesh;
+    for (int i = 0; i < around; ++i) {
+        for (int j = 0; j <= across; ++j) {
+            const double turn = 2.0 * kPi * i / around;
+            const double radius = 2.0 + (1.0 * j / across - 0.5) * std::cos(turn / 2.0);
+            mesh.positions.push_back({radius * std::cos(turn),
+                                      radius * std::sin(turn),
+                                      (1.0 * j / across - 0.5) * std::sin(turn / 2.0)});
+            const auto at = [&](int di, int dj) {
+                return i + di < around ? (i + di) * (across + 1) + j + dj : across - j - dj;
+            };
+            if (j < across) {
+                mesh.faces.push_back({at(0, 0), at(1, 0), at(1, 1)});
+                mesh.faces.push_back({at(0, 0), at(1, 1), at(0, 1)});
+            }
+        }
+    }
+    return mesh;
+}
+
 struct NamedMesh {
     std::string name;
     TriangleMesh mesh;
