@@ -38,6 +38,9 @@ constexpr int kMinFacesToSort = 30000;
 /// Level at which trials of the first start are compared, and the most trials.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 8;
+/// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
+/// or less in each ring decides.
+constexpr double kLeastExchanges = 40000.0;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -435,6 +438,7 @@ private:
         schedule.temperature_end = 0.08;
         schedule.proposals_per_face =
             coarsens() ? budget_.exchange_proposals : budget_.only_level_exchanges;
+        schedule.least_proposals = kLeastExchanges;
         schedule.phase_count = budget_.level_phases;
         return schedule;
     }
