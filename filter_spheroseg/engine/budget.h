@@ -23,13 +23,13 @@ struct Budget {
 inline Budget budget_of(Effort effort) {
     switch (effort) {
     case Effort::draft:
-        return {20, 45.0, 35.0, 30.0, 20.0, 15.0, 12, 6, 2.0};
+        return {20, 38.0, 30.0, 25.0, 20.0, 15.0, 12, 6, 2.0};
     case Effort::high:
         return {60, 4000.0, 2500.0, 1000.0, 1000.0, 2000.0, 48, 48, 1.5};
     case Effort::standard:
         break;
     }
-    return {24, 110.0, 75.0, 65.0, 35.0, 24.0, 24, 12, 2.0};
+    return {24, 90.0, 62.0, 52.0, 35.0, 24.0, 24, 12, 2.0};
 }
 
 } // namespace spheroseg

@@ -122,12 +122,18 @@ struct FreeLoads {
     /// Per squared unit of load.
     double balance_weight;
 
-    /// Whether the move is allowed and costs no more than it may. Fills `fan`.
+    /// Whether the move is allowed and costs no more than it may; of a fan that costs too much,
+    /// whether the one at the other end of its edge is. Fills `fan`.
     template <typename Group>
-    SPHEROSEG_HOST_DEVICE bool wants(const Group& group, const Proposal& proposal, Fan& fan) const {
+    SPHEROSEG_HOST_DEVICE bool wants(const Group& group, Proposal proposal, Fan& fan) const {
         const auto& patches = group.patches();
-        return describe(patches, proposal, fan) && cost(group, fan.move) <= proposal.allowance &&
-            is_allowed(patches, proposal, fan);
+        for (int end = 0; end < (proposal.as_fan ? 2 : 1); ++end) {
+            if (describe(patches, proposal, fan) && cost(group, fan.move) <= proposal.allowance) {
+                return is_allowed(patches, proposal, fan);
+            }
+            proposal.forward = !proposal.forward;
+        }
+        return false;
     }
 
     /// Returns the change of the number of boundary edges.
