@@ -57,11 +57,10 @@ public:
     /// Lists the faces that came to the boundary when a move was made.
     __device__ void list(const Move& move) {
         for (int i = 0; i < move.face_count; ++i) {
+            list(move.faces[i]);
             for (int neighbor : arrays_.cells[move.faces[i]].neighbor) {
-                if (neighbor >= 0 && patches_.label(neighbor) == move.from &&
-                    !arrays_.listed[neighbor]) {
-                    arrays_.listed[neighbor] = 1;
-                    faces_[state_.face_count++] = neighbor;
+                if (neighbor >= 0 && patches_.label(neighbor) == move.from) {
+                    list(neighbor);
                 }
             }
         }
@@ -88,6 +87,13 @@ public:
     }
 
 private:
+    __device__ void list(int face) {
+        if (!arrays_.listed[face]) {
+            arrays_.listed[face] = 1;
+            faces_[state_.face_count++] = face;
+        }
+    }
+
     __device__ void relabel(const Move& move, int from, int to) {
         for (int i = 0; i < move.face_count; ++i) {
             arrays_.labels[move.faces[i]] = to;

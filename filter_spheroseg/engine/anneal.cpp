@@ -105,7 +105,7 @@ public:
     /// Lists the faces that came to the boundary when a move was made.
     void list(const Move& move) {
         for (int i = 0; i < move.face_count; ++i) {
-            boundary_.list_neighbors(patchwork_, move.faces[i], move.from, faces_);
+            boundary_.list_around(patchwork_, move.faces[i], move.from, faces_);
         }
     }
 

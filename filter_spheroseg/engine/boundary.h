@@ -24,21 +24,26 @@ public:
     /// Forgets a face that touches no other sub-mesh; the caller takes it from its list.
     void unlist(int face) { listed_[face] = 0; }
 
-    /// Appends to `faces` the neighbours of a face that left sub-mesh `label` and are still in it.
+    /// Appends to `faces` a face that left sub-mesh `label` and its neighbours that are still in
+    /// it.
     template <typename Patches>
-    void list_neighbors(const Patches& patches, int face, int label, std::vector<int>& faces) {
+    void list_around(const Patches& patches, int face, int label, std::vector<int>& faces) {
+        list(face, faces);
         for (int c = 0; c < 3; ++c) {
             if (patches.label_across(face, c) == label) {
-                const int neighbor = patches.neighbor(face, c);
-                if (!listed_[neighbor]) {
-                    listed_[neighbor] = 1;
-                    faces.push_back(neighbor);
-                }
+                list(patches.neighbor(face, c), faces);
             }
         }
     }
 
 private:
+    void list(int face, std::vector<int>& faces) {
+        if (!listed_[face]) {
+            listed_[face] = 1;
+            faces.push_back(face);
+        }
+    }
+
     std::vector<int> faces_;
     std::vector<std::uint8_t> listed_;
 };

@@ -60,7 +60,7 @@ private:
             patchwork_.set_label(face, to);
             load[from] -= cell.weight;
             load[to] += cell.weight;
-            boundary_.list_neighbors(patchwork_, face, from, faces_);
+            boundary_.list_around(patchwork_, face, from, faces_);
         }
     }
 

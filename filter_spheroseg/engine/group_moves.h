@@ -37,10 +37,13 @@ struct GroupRules {
     double temperature;
 };
 
+/// A face, the fan of its label, or the shorter one of that and the fan across the edge.
+enum class MoveKind { single, fan, shorter_fan };
+
 struct Proposal {
     int face;
     int corner;
-    bool as_fan;
+    MoveKind kind;
     bool forward;
     /// The most that the move may cost.
     double allowance;
@@ -99,22 +102,32 @@ SPHEROSEG_INNER Drawn draw_proposal(const Patches& patches,
     }
     // A face that touches its own sub-mesh by two edges adds a boundary edge when it leaves.
     const bool sits_deep = (sides & (sides - 1)) == 0;
-    proposal.as_fan = ((bits >> 24) & 1) || (sits_deep && proposal.allowance < kLikelyCost);
+    const bool as_fan = ((bits >> 24) & 1) || (sits_deep && proposal.allowance < kLikelyCost);
+    // One of eight is any fan: a heavy face may be able to leave by the longer one only.
+    const MoveKind kind_of_fan = ((bits >> 26) & 7) == 0 ? MoveKind::fan : MoveKind::shorter_fan;
+    proposal.kind = as_fan ? kind_of_fan : MoveKind::single;
     return Drawn::proposal;
 }
 
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool describe(const Patches& patches, const Proposal& proposal, Fan& fan) {
-    return proposal.as_fan
-        ? describe_shorter_fan(patches, proposal.face, proposal.corner, proposal.forward, fan)
-        : describe_single(patches, proposal.face, proposal.corner, fan.move);
+    switch (proposal.kind) {
+    case MoveKind::single:
+        return describe_single(patches, proposal.face, proposal.corner, fan.move);
+    case MoveKind::fan:
+        return describe_fan(patches, proposal.face, proposal.corner, proposal.forward, fan);
+    case MoveKind::shorter_fan:
+        break;
+    }
+    return describe_shorter_fan(patches, proposal.face, proposal.corner, proposal.forward, fan);
 }
 
 template <typename Patches>
 SPHEROSEG_HOST_DEVICE bool
 is_allowed(const Patches& patches, const Proposal& proposal, const Fan& fan) {
-    return proposal.as_fan ? fan_is_allowed(patches, fan)
-                           : single_is_allowed(patches, proposal.face, proposal.corner, fan.move);
+    return proposal.kind == MoveKind::single
+        ? single_is_allowed(patches, proposal.face, proposal.corner, fan.move)
+        : fan_is_allowed(patches, fan);
 }
 
 /// Loads may differ, at a cost.
@@ -127,7 +140,7 @@ struct FreeLoads {
     template <typename Group>
     SPHEROSEG_HOST_DEVICE bool wants(const Group& group, Proposal proposal, Fan& fan) const {
         const auto& patches = group.patches();
-        for (int end = 0; end < (proposal.as_fan ? 2 : 1); ++end) {
+        for (int end = 0; end < (proposal.kind == MoveKind::single ? 1 : 2); ++end) {
             if (describe(patches, proposal, fan) && cost(group, fan.move) <= proposal.allowance) {
                 return is_allowed(patches, proposal, fan);
             }
@@ -219,12 +232,13 @@ private:
                 continue;
             }
             const int corner = misses + more;
-            const bool as_fan = first.face_count > 1;
-            if ((as_fan ? describe_fan(patches, face, corner, (bits >> 1) & 1, back)
-                        : describe_single(patches, face, corner, back.move)) &&
-                back.move.boundary_change <= allowance && keeps_range(group, back.move) &&
-                (as_fan ? fan_is_allowed(patches, back)
-                        : single_is_allowed(patches, face, corner, back.move))) {
+            const Proposal partner{face,
+                                   corner,
+                                   first.face_count > 1 ? MoveKind::fan : MoveKind::single,
+                                   ((bits >> 1) & 1) != 0,
+                                   allowance};
+            if (describe(patches, partner, back) && back.move.boundary_change <= allowance &&
+                keeps_range(group, back.move) && is_allowed(patches, partner, back)) {
                 return true;
             }
         }

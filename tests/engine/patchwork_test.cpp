@@ -391,7 +391,10 @@ TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
 
         ASSERT_TRUE(balance_exactly(patchwork));
         const int balanced = measures_of(levels, patchwork).boundary_edge_count;
-        anneal_balanced(patchwork, schedule_of(200, threads), control);
+        AnnealSchedule exchanges = schedule_of(200, threads);
+        exchanges.temperature_begin = 0.25;
+        exchanges.temperature_end = 0.08;
+        anneal_balanced(patchwork, exchanges, control);
         const Measures exchanged = measures_of(levels, patchwork);
         EXPECT_TRUE(exchanged.is_valid());
         EXPECT_LT(exchanged.boundary_edge_count, balanced);
