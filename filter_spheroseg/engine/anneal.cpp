@@ -236,7 +236,9 @@ void run_groups(Patchwork& patchwork,
                    });
         return;
     }
-    LinkedPatchwork linked(patchwork, schedule.thread_count);
+    LinkedPatchwork linked(patchwork,
+                           schedule.thread_count,
+                           control.room ? std::move(*control.room) : std::vector<LinkedCell>());
     run_phases(
         linked,
         patchwork.load,
@@ -248,6 +250,9 @@ void run_groups(Patchwork& patchwork,
             return run_on_cores({linked, grouping, boundary, partners}, phase, loads, threads);
         });
     linked.give_labels(patchwork);
+    if (control.room) {
+        *control.room = linked.take_cells();
+    }
 }
 
 void anneal_within(Patchwork& patchwork,

@@ -60,7 +60,11 @@ public:
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          result_(result), budget_(budget_of(options.effort)) {}
+          result_(result), budget_(budget_of(options.effort)) {
+        if (!task.device) {
+            linked_cells_.reserve(component.face_count());
+        }
+    }
 
     void run() {
         const Deadline watch;
@@ -248,6 +252,7 @@ private:
         AnnealSchedule schedule = coarse_schedule();
         AnnealControl unrecorded;
         unrecorded.deadline = &deadline_;
+        unrecorded.room = &linked_cells_;
         for (;;) {
             set_balance(schedule, patchwork, 0.5, 1.5);
             if (freely) {
@@ -447,6 +452,7 @@ private:
         AnnealControl control;
         control.deadline = &deadline_;
         control.device = task_.device;
+        control.room = &linked_cells_;
         control.progress = sub_progress(start_progress_, begin, end);
         control.boundary_edges = &result_.boundary_edges_by_iteration;
         control.seconds = &result_.seconds_by_iteration;
@@ -470,6 +476,8 @@ private:
     const Budget budget_;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
+    /// Room for the annealing of the finest level; the system gives it as it is used.
+    std::vector<LinkedCell> linked_cells_;
     std::int64_t least_cost_ = -1;
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;

@@ -12,13 +12,12 @@ namespace {
 
 constexpr std::size_t kMaxFaces = std::size_t{1} << 28;
 
-std::size_t checked_count(std::size_t face_count) {
+void check_count(std::size_t face_count) {
     if (face_count > kMaxFaces) {
         throw InvalidInput("The mesh has " + std::to_string(face_count) +
                            " triangles, but method \"fast\" takes at most " +
                            std::to_string(kMaxFaces) + ". Simplify it, or part it first.");
     }
-    return face_count;
 }
 
 LinkedCell link(const Patchwork& patchwork, const Cell& cell) {
@@ -40,9 +39,13 @@ LinkedCell link(const Patchwork& patchwork, const Cell& cell) {
 
 } // namespace
 
-LinkedPatchwork::LinkedPatchwork(const Patchwork& patchwork, int thread_count)
-    : may_close_rings(patchwork.may_close_rings), cells_(checked_count(patchwork.cells.size())),
+LinkedPatchwork::LinkedPatchwork(const Patchwork& patchwork,
+                                 int thread_count,
+                                 std::vector<LinkedCell> cells)
+    : may_close_rings(patchwork.may_close_rings), cells_(std::move(cells)),
       submesh_count_(patchwork.submesh_count()) {
+    check_count(patchwork.cells.size());
+    cells_.resize(patchwork.cells.size());
     const int threads = threads_for(thread_count, face_count(), kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int f = 0; f < face_count(); ++f) {

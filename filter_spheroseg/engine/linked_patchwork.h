@@ -3,6 +3,7 @@
 
 #include "patchwork.h"
 
+#include <utility>
 #include <vector>
 
 namespace spheroseg {
@@ -27,8 +28,11 @@ class LinkedPatchwork {
 public:
     const bool may_close_rings;
 
-    /// O(F), parallel. Throws InvalidInput for more faces than `side` can name, 2^28.
-    LinkedPatchwork(const Patchwork& patchwork, int thread_count);
+    /// O(F), parallel. `cells` is memory to use, its contents are not. Throws InvalidInput for more
+    /// faces than `side` can name, 2^28.
+    LinkedPatchwork(const Patchwork& patchwork,
+                    int thread_count,
+                    std::vector<LinkedCell> cells = {});
 
     int face_count() const { return static_cast<int>(cells_.size()); }
     int submesh_count() const { return submesh_count_; }
@@ -59,6 +63,8 @@ public:
 
     /// Gives the labels back.
     void give_labels(Patchwork& patchwork) const;
+    /// Gives the memory back; ends the use of the object.
+    std::vector<LinkedCell> take_cells() { return std::move(cells_); }
 
 private:
     static int read(const int& label) { return __atomic_load_n(&label, __ATOMIC_RELAXED); }
