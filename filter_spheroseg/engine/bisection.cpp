@@ -55,17 +55,19 @@ private:
     /// foreseen, so they are appended without a branch.
     int sort_breadth_first(int begin, int end, int label, int start) {
         const std::uint8_t fresh = visited_[start];
-        queue_[begin] = start;
-        mark(start, !fresh);
-        int tail = begin + 1;
+        int tail = begin;
+        const auto visit = [&](int face) {
+            mark(face, !fresh);
+            queue_[tail++] = face;
+        };
+        visit(start);
         int next_unseen = begin;
         for (int head = begin; tail < end; ++head) {
             if (head == tail) {
                 while (visited_[order_[next_unseen]] != fresh) {
                     ++next_unseen;
                 }
-                queue_[tail++] = order_[next_unseen];
-                mark(order_[next_unseen], !fresh);
+                visit(order_[next_unseen]);
             }
             const int face = queue_[head];
             for (int side : patchwork_.cells[face].neighbor) {
@@ -76,8 +78,7 @@ private:
                     tail += is_new;
                     mark(is_new ? neighbor : face, !fresh);
                 } else if (is_new && tail < end) {
-                    queue_[tail++] = neighbor;
-                    mark(neighbor, !fresh);
+                    visit(neighbor);
                 }
             }
         }
@@ -85,7 +86,7 @@ private:
         return order_[end - 1];
     }
 
-    // Marks of faces of another part are read too, but make no difference.
+    /// Marks of faces of another part are read too, but make no difference.
     bool is_fresh(int face, int label, std::uint8_t fresh) const {
         const bool unmarked = __atomic_load_n(&visited_[face], __ATOMIC_RELAXED) == fresh;
         return (patchwork_.label(face) == label) & unmarked;

@@ -17,8 +17,6 @@ namespace {
 
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
-/// Less than that is not worth another thread.
-constexpr int kFacesPerWorker = 8192;
 
 /// Where a wave reached a face: distance, then the sub-mesh that it came from. The order of the
 /// keys decides between two waves, never the order of arrival.
@@ -38,7 +36,7 @@ class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
-          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
+          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerThread)),
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
           offsets_(patchwork.submesh_count(), 0.0), inside_(patchwork.cells.size() + 1),
           keys_(patchwork.cells.size() + 1) {
@@ -177,10 +175,9 @@ private:
                 }
                 const std::uint64_t rank =
                     Random(iteration_, static_cast<std::uint64_t>(face)).next();
-                if (center.ring < ring) {
-                    --left;
-                    center = {face, ring, rank};
-                } else if (rank < center.rank) {
+                const bool is_first = center.ring < ring;
+                left -= is_first;
+                if (is_first || rank < center.rank) {
                     center = {face, ring, rank};
                 }
             }
