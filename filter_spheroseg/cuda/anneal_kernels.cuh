@@ -19,12 +19,16 @@ struct DevicePatches {
 
     __device__ int label(int face) const { return labels[face]; }
     __device__ int weight(int face) const { return cells[face].weight; }
-    __device__ int neighbor(int face, int corner) const { return cells[face].neighbor[corner]; }
+    __device__ int neighbor(int face, int corner) const {
+        return face_of(cells[face].side[corner]);
+    }
     __device__ int label_across(int face, int corner) const {
         const int other = neighbor(face, corner);
         return other < 0 ? kOpenBorder : labels[other];
     }
-    __device__ Step step_from(const Step& step) const { return step_between(cells, step); }
+    __device__ Step step_from(const Step& step) const {
+        return step_across(step, cells[step.face].side[step.exit]);
+    }
 };
 
 /// What the threads of a block share.
@@ -58,9 +62,9 @@ public:
     __device__ void list(const Move& move) {
         for (int i = 0; i < move.face_count; ++i) {
             list(move.faces[i]);
-            for (int neighbor : arrays_.cells[move.faces[i]].neighbor) {
-                if (neighbor >= 0 && patches_.label(neighbor) == move.from) {
-                    list(neighbor);
+            for (int c = 0; c < 3; ++c) {
+                if (patches_.label_across(move.faces[i], c) == move.from) {
+                    list(patches_.neighbor(move.faces[i], c));
                 }
             }
         }

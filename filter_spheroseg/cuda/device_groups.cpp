@@ -183,6 +183,7 @@ private:
         for (int f = 0; f < face_count; ++f) {
             patchwork.cells[f].label = host_labels_[f];
         }
+        patchwork.tell_neighbors(threads_);
         for (int l = 0; l < patchwork.submesh_count(); ++l) {
             grouping.load(l) = host_loads_[l];
         }

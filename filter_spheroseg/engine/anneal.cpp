@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "anneal.h"
 
-#include "linked_patchwork.h"
 #include "parallel_failure.h"
 #include "phases.h"
 #include "threads.h"
@@ -29,7 +28,7 @@ public:
     }
 
     /// Begins the empty lists of a group's labels with its boundary faces.
-    void begin(const LinkedPatchwork& patchwork, const std::vector<int>& faces) {
+    void begin(const Patchwork& patchwork, const std::vector<int>& faces) {
         for (int f : faces) {
             lists_[patchwork.label(f)].faces.push_back(f);
         }
@@ -56,7 +55,7 @@ private:
 
 /// What the groups of a phase are made of.
 struct Work {
-    LinkedPatchwork& patchwork;
+    Patchwork& patchwork;
     Grouping& grouping;
     BoundaryFaces& boundary;
     PartnerLists* partners; // null without
@@ -96,7 +95,7 @@ public:
         return change;
     }
 
-    const LinkedPatchwork& patches() const { return patchwork_; }
+    const Patchwork& patches() const { return patchwork_; }
     int load(int label) const { return grouping_.load(label); }
     Random& random() { return random_; }
 
@@ -139,7 +138,7 @@ private:
         grouping_.load(to) += move.weight;
     }
 
-    LinkedPatchwork& patchwork_;
+    Patchwork& patchwork_;
     Grouping& grouping_;
     BoundaryFaces& boundary_;
     PartnerLists* const partners_;
@@ -175,17 +174,16 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
 
 /// Runs the phases of a schedule: new groups of labels in each. `run(phase, loads, grouping,
 /// boundary)` makes the proposals of all groups and returns the change of the number of boundary
-/// edges; `loads_of(phase)` gives the rule for the loads, which are `patchwork_loads`.
-template <typename Patches, typename LoadsOf, typename Run>
-void run_phases(const Patches& patches,
-                std::vector<int>& patchwork_loads,
+/// edges; `loads_of(phase)` gives the rule for the loads.
+template <typename LoadsOf, typename Run>
+void run_phases(Patchwork& patchwork,
                 const AnnealSchedule& schedule,
                 const AnnealControl& control,
                 const char* step,
                 const LoadsOf& loads_of,
                 const Run& run) {
-    BoundaryFaces boundary(patches, schedule.thread_count);
-    std::int64_t edges = count_boundary_edges(patches, schedule.thread_count);
+    BoundaryFaces boundary(patchwork, schedule.thread_count);
+    std::int64_t edges = count_boundary_edges(patchwork, schedule.thread_count);
     Grouping grouping;
     const int phases = std::max(1, schedule.phase_count);
     const double face_count = std::max<double>(1.0, static_cast<double>(boundary.faces().size()));
@@ -201,9 +199,9 @@ void run_phases(const Patches& patches,
             std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
 
-        grouping.regroup(patches, patchwork_loads, boundary, phase.seed, schedule.thread_count);
+        grouping.regroup(patchwork, patchwork.load, boundary, phase.seed, schedule.thread_count);
         edges += run(phase, loads_of(p), grouping, boundary);
-        grouping.collect(patchwork_loads, boundary);
+        grouping.collect(patchwork.load, boundary);
         if (control.boundary_edges) {
             control.boundary_edges->push_back(static_cast<double>(edges));
             control.seconds->push_back(watch.elapsed_seconds());
@@ -219,40 +217,24 @@ void run_groups(Patchwork& patchwork,
                 PartnerLists* partners,
                 const LoadsOf& loads_of) {
     const int threads = resolve_thread_count(schedule.thread_count);
+    const auto run_all = [&](const auto& run) {
+        run_phases(patchwork, schedule, control, step, loads_of, run);
+    };
     if (control.device) {
         const std::unique_ptr<DeviceGroups> groups =
             control.device->begin_groups(patchwork, partners != nullptr, threads);
-        run_phases(patchwork,
-                   patchwork.load,
-                   schedule,
-                   control,
-                   step,
-                   loads_of,
-                   [&](const Phase& phase,
-                       const auto& loads,
-                       Grouping& grouping,
-                       BoundaryFaces& boundary) {
-                       return groups->run(phase, loads, patchwork, grouping, boundary);
-                   });
+        run_all([&](const Phase& phase,
+                    const auto& loads,
+                    Grouping& grouping,
+                    BoundaryFaces& boundary) {
+            return groups->run(phase, loads, patchwork, grouping, boundary);
+        });
         return;
     }
-    LinkedPatchwork linked(patchwork,
-                           schedule.thread_count,
-                           control.room ? std::move(*control.room) : std::vector<LinkedCell>());
-    run_phases(
-        linked,
-        patchwork.load,
-        schedule,
-        control,
-        step,
-        loads_of,
+    run_all(
         [&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
-            return run_on_cores({linked, grouping, boundary, partners}, phase, loads, threads);
+            return run_on_cores({patchwork, grouping, boundary, partners}, phase, loads, threads);
         });
-    linked.give_labels(patchwork);
-    if (control.room) {
-        *control.room = linked.take_cells();
-    }
 }
 
 void anneal_within(Patchwork& patchwork,

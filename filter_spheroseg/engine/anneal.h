@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linked_patchwork.h"
+#include "patchwork.h"
 #include "progress.h"
 
 #include <cmath>
@@ -54,9 +54,6 @@ struct AnnealControl {
     Progress progress;
     /// May be null. Anneals the groups instead of the cores, with the same result.
     AnnealDevice* device = nullptr;
-    /// May be null. Memory to use on the cores, and to leave for the next annealing: allocations of
-    /// every level's size would leave holes.
-    std::vector<LinkedCell>* room = nullptr;
     /// May be null. One entry per phase is appended: boundary edges of the patchwork, seconds.
     std::vector<double>* boundary_edges = nullptr;
     std::vector<double>* seconds = nullptr;

@@ -250,7 +250,7 @@ private:
         std::uint32_t count = 0;
         chosen_.clear();
         boundaries_.for_each_side(label, [&](int face, int c, int across) {
-            const int moving = outward ? face : patchwork_.cells[face].neighbor[c];
+            const int moving = outward ? face : patchwork_.neighbor(face, c);
             const std::vector<int>& branch =
                 branches_.find(moving, outward ? across : label, max_faces);
             if (!branch.empty() &&

@@ -36,7 +36,7 @@ public:
             const int middle = begin + left_face_count(begin, end, left_parts, parts);
             const int right_label = label + left_parts;
             for (int i = middle; i < end; ++i) {
-                patchwork_.set_label(order_[i], right_label);
+                patchwork_.set_own_label(order_[i], right_label);
             }
             if (face_count > kTaskFaces) {
 #pragma omp task default(shared) firstprivate(middle, end, right_label, right_parts)
@@ -70,7 +70,7 @@ private:
                 visit(order_[next_unseen]);
             }
             const int face = queue_[head];
-            for (int side : patchwork_.cells[face].neighbor) {
+            for (int side : patchwork_.neighbors(face)) {
                 const int neighbor = side < 0 ? face : side;
                 const bool is_new = is_fresh(neighbor, label, fresh);
                 if (tail + 1 < end) {
@@ -120,8 +120,8 @@ private:
 } // namespace
 
 void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count) {
-    for (Cell& cell : patchwork.cells) {
-        cell.label = 0;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        patchwork.set_own_label(f, 0);
     }
     Bisection bisection(patchwork, seed);
     const int face_count = patchwork.face_count();
@@ -130,10 +130,9 @@ void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thr
 #pragma omp single
     bisection.split(0, face_count, 0, submesh_count);
 
-    patchwork.load.assign(submesh_count, 0);
-    for (const Cell& cell : patchwork.cells) {
-        patchwork.load[cell.label] += cell.weight;
-    }
+    patchwork.tell_neighbors(thread_count);
+    patchwork.load.resize(submesh_count);
+    sum_loads(patchwork);
 }
 
 } // namespace spheroseg

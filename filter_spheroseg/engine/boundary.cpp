@@ -24,23 +24,22 @@ constexpr int kIdle = -1;
 constexpr int kNowhere = -2;
 
 /// The number of sides of a face beyond which another sub-mesh lies.
-template <typename Patches> int boundary_sides(const Patches& patches, int face) {
-    const int label = patches.label(face);
+int boundary_sides(const Patchwork& patchwork, int face) {
+    const int label = patchwork.label(face);
     int sides = 0;
     for (int c = 0; c < 3; ++c) {
-        const int across = patches.label_across(face, c);
+        const int across = patchwork.label_across(face, c);
         sides += across != label && across != kOpenBorder;
     }
     return sides;
 }
 
-template <typename Patches>
-SubmeshGraph build_submesh_graph(const Patches& patches, const std::vector<int>& faces) {
-    const int submesh_count = patches.submesh_count();
+SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces) {
+    const int submesh_count = patchwork.submesh_count();
     // Boundary faces sorted by label, so that each label's neighbours are met together.
     std::vector<int> face_begin(submesh_count + 1, 0);
     for (int f : faces) {
-        ++face_begin[patches.label(f) + 1];
+        ++face_begin[patchwork.label(f) + 1];
     }
     for (int l = 0; l < submesh_count; ++l) {
         face_begin[l + 1] += face_begin[l];
@@ -48,7 +47,7 @@ SubmeshGraph build_submesh_graph(const Patches& patches, const std::vector<int>&
     std::vector<int> sorted(faces.size());
     std::vector<int> fill(face_begin.begin(), face_begin.end() - 1);
     for (int f : faces) {
-        sorted[fill[patches.label(f)]++] = f;
+        sorted[fill[patchwork.label(f)]++] = f;
     }
     SubmeshGraph graph;
     graph.begin.reserve(submesh_count + 1);
@@ -58,7 +57,7 @@ SubmeshGraph build_submesh_graph(const Patches& patches, const std::vector<int>&
         seen[l] = l;
         for (int i = face_begin[l]; i < face_begin[l + 1]; ++i) {
             for (int c = 0; c < 3; ++c) {
-                const int other = patches.label_across(sorted[i], c);
+                const int other = patchwork.label_across(sorted[i], c);
                 if (other != kOpenBorder && seen[other] != l) {
                     seen[other] = l;
                     graph.neighbors.push_back(other);
@@ -72,14 +71,13 @@ SubmeshGraph build_submesh_graph(const Patches& patches, const std::vector<int>&
 
 } // namespace
 
-template <typename Patches>
-BoundaryFaces::BoundaryFaces(const Patches& patches, int thread_count)
-    : listed_(patches.face_count(), 0) {
-    const int face_count = patches.face_count();
+BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
+    : listed_(patchwork.face_count(), 0) {
+    const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int f = 0; f < face_count; ++f) {
-        listed_[f] = boundary_sides(patches, f) > 0;
+        listed_[f] = boundary_sides(patchwork, f) > 0;
     }
     for (int f = 0; f < face_count; ++f) {
         if (listed_[f]) {
@@ -88,34 +86,31 @@ BoundaryFaces::BoundaryFaces(const Patches& patches, int thread_count)
     }
 }
 
-template <typename Patches>
-std::int64_t count_boundary_edges(const Patches& patches, int thread_count) {
+std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) {
     std::int64_t sides = 0;
-    const int face_count = patches.face_count();
+    const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
     for (int f = 0; f < face_count; ++f) {
-        sides += boundary_sides(patches, f);
+        sides += boundary_sides(patchwork, f);
     }
     return sides / 2;
 }
 
-template <typename Patches>
-void Grouping::regroup(const Patches& patches,
+void Grouping::regroup(const Patchwork& patchwork,
                        const std::vector<int>& loads,
                        BoundaryFaces& boundary,
                        std::uint64_t seed,
                        int thread_count) {
-    const int group_count = draw_groups(patches, boundary, seed);
+    const int group_count = draw_groups(patchwork, boundary, seed);
     place_loads(loads, group_count);
-    place_faces(patches, boundary, group_count, thread_count);
+    place_faces(patchwork, boundary, group_count, thread_count);
 }
 
-template <typename Patches>
-int Grouping::draw_groups(const Patches& patches,
+int Grouping::draw_groups(const Patchwork& patchwork,
                           const BoundaryFaces& boundary,
                           std::uint64_t seed) {
-    const int submesh_count = patches.submesh_count();
+    const int submesh_count = patchwork.submesh_count();
     const int labels_per_group =
         std::clamp(submesh_count / kWantedGroups, kMinLabelsPerGroup, kMaxLabelsPerGroup);
     const int wanted = std::max(1, submesh_count / labels_per_group);
@@ -123,7 +118,7 @@ int Grouping::draw_groups(const Patches& patches,
     int group_count = wanted;
     if (wanted > 1) {
         if (phase_++ % kPhasesPerGraph == 0) {
-            graph_ = build_submesh_graph(patches, boundary.faces());
+            graph_ = build_submesh_graph(patchwork, boundary.faces());
         }
         Random random(seed, 0x67726f7570ULL);
         std::vector<int> queue;
@@ -157,12 +152,12 @@ int Grouping::draw_groups(const Patches& patches,
     return group_count;
 }
 
-template <typename Patches> int Grouping::place_of(const Patches& patches, int face) const {
-    const int label = patches.label(face);
+int Grouping::place_of(const Patchwork& patchwork, int face) const {
+    const int label = patchwork.label(face);
     const int group = group_of_label_[label];
     int place = kNowhere;
     for (int c = 0; c < 3; ++c) {
-        const int other = patches.label_across(face, c);
+        const int other = patchwork.label_across(face, c);
         if (other != label && other != kOpenBorder) {
             if (group_of_label_[other] == group) {
                 return group;
@@ -173,8 +168,7 @@ template <typename Patches> int Grouping::place_of(const Patches& patches, int f
     return place;
 }
 
-template <typename Patches>
-void Grouping::place_faces(const Patches& patches,
+void Grouping::place_faces(const Patchwork& patchwork,
                            BoundaryFaces& boundary,
                            int group_count,
                            int thread_count) {
@@ -184,7 +178,7 @@ void Grouping::place_faces(const Patches& patches,
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int i = 0; i < face_count; ++i) {
-        places_[i] = place_of(patches, faces[i]);
+        places_[i] = place_of(patchwork, faces[i]);
     }
     faces_.assign(group_count, {});
     idle_faces_.clear();
@@ -232,14 +226,5 @@ void Grouping::collect(std::vector<int>& loads, BoundaryFaces& boundary) {
         boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());
     }
 }
-
-template BoundaryFaces::BoundaryFaces(const Patchwork&, int);
-template BoundaryFaces::BoundaryFaces(const LinkedPatchwork&, int);
-template std::int64_t count_boundary_edges(const Patchwork&, int);
-template std::int64_t count_boundary_edges(const LinkedPatchwork&, int);
-template void
-Grouping::regroup(const Patchwork&, const std::vector<int>&, BoundaryFaces&, std::uint64_t, int);
-template void Grouping::regroup(
-    const LinkedPatchwork&, const std::vector<int>&, BoundaryFaces&, std::uint64_t, int);
 
 } // namespace spheroseg

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "linked_patchwork.h"
+#include "patchwork.h"
 
 #include <cstdint>
 
 namespace spheroseg {
 
-// `Patches` is a Patchwork or a LinkedPatchwork.
-
 /// The faces that may touch another sub-mesh: all that do, and some that did.
 class BoundaryFaces {
 public:
     /// Finds them in O(F).
-    template <typename Patches> BoundaryFaces(const Patches& patches, int thread_count);
+    BoundaryFaces(const Patchwork& patchwork, int thread_count);
 
     std::vector<int>& faces() { return faces_; }
     const std::vector<int>& faces() const { return faces_; }
@@ -26,12 +24,11 @@ public:
 
     /// Appends to `faces` a face that left sub-mesh `label` and its neighbours that are still in
     /// it.
-    template <typename Patches>
-    void list_around(const Patches& patches, int face, int label, std::vector<int>& faces) {
+    void list_around(const Patchwork& patchwork, int face, int label, std::vector<int>& faces) {
         list(face, faces);
         for (int c = 0; c < 3; ++c) {
-            if (patches.label_across(face, c) == label) {
-                list(patches.neighbor(face, c), faces);
+            if (patchwork.label_across(face, c) == label) {
+                list(patchwork.neighbor(face, c), faces);
             }
         }
     }
@@ -49,8 +46,7 @@ private:
 };
 
 /// Edges between sub-meshes, each counted once.
-template <typename Patches>
-std::int64_t count_boundary_edges(const Patches& patches, int thread_count);
+std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count);
 
 /// Which sub-meshes touch which: the neighbours of label l are
 /// neighbors[begin[l] .. begin[l + 1]), in the order in which the boundary faces name them.
@@ -64,8 +60,7 @@ class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
     /// `loads` has one entry per label.
-    template <typename Patches>
-    void regroup(const Patches& patches,
+    void regroup(const Patchwork& patchwork,
                  const std::vector<int>& loads,
                  BoundaryFaces& boundary,
                  std::uint64_t seed,
@@ -84,13 +79,13 @@ public:
 
 private:
     /// Returns the number of groups.
-    template <typename Patches>
-    int draw_groups(const Patches& patches, const BoundaryFaces& boundary, std::uint64_t seed);
+    int draw_groups(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
     void place_loads(const std::vector<int>& loads, int group_count);
-    template <typename Patches> int place_of(const Patches& patches, int face) const;
-    template <typename Patches>
-    void
-    place_faces(const Patches& patches, BoundaryFaces& boundary, int group_count, int thread_count);
+    int place_of(const Patchwork& patchwork, int face) const;
+    void place_faces(const Patchwork& patchwork,
+                     BoundaryFaces& boundary,
+                     int group_count,
+                     int thread_count);
 
     SubmeshGraph graph_;
     int phase_ = 0;

@@ -130,7 +130,7 @@ bool Branches::close_parts(int from, int to, std::size_t max_faces) {
     std::vector<int> seen;
     std::vector<int> small;
     for (std::size_t i = 0; i < branch_.size(); ++i) {
-        for (int neighbor : patchwork_.cells[branch_[i]].neighbor) {
+        for (int neighbor : patchwork_.neighbors(branch_[i])) {
             if (neighbor < 0 || seen_[neighbor] || patchwork_.label(neighbor) != from) {
                 continue;
             }
@@ -158,7 +158,7 @@ void Branches::list_part(int start, int from, std::vector<int>& part) {
     part.assign(1, start);
     seen_[start] = 1;
     for (std::size_t head = 0; head < part.size(); ++head) {
-        for (int neighbor : patchwork_.cells[part[head]].neighbor) {
+        for (int neighbor : patchwork_.neighbors(part[head])) {
             if (neighbor >= 0 && !seen_[neighbor] && patchwork_.label(neighbor) == from) {
                 seen_[neighbor] = 1;
                 part.push_back(neighbor);

@@ -43,32 +43,23 @@ Component::Component(const TriangleMesh& mesh, const DualGraph& dual_graph)
 
 const CollapseHierarchy& Component::hierarchy(int thread_count, const Progress& progress) {
     if (!hierarchy_) {
-        hierarchy_ = std::make_unique<CollapseHierarchy>(
-            build_hierarchy(*mesh_, *dual_graph_, thread_count, progress));
+        hierarchy_ = build_hierarchy(*mesh_, *dual_graph_, thread_count, progress);
     }
     return *hierarchy_;
 }
 
 const Multilevel& Component::multilevel(int thread_count, const Progress& progress) {
     if (!multilevel_) {
-        multilevel_.emplace(hierarchy(thread_count, progress), face_count());
+        multilevel_.emplace(hierarchy(thread_count, progress), face_count(), thread_count);
     }
     return *multilevel_;
 }
 
-const Multilevel& Component::finest_level() {
+const Multilevel& Component::finest_level(int thread_count) {
     if (!finest_level_) {
-        finest_level_.emplace(*mesh_, *dual_graph_);
+        finest_level_.emplace(*mesh_, *dual_graph_, thread_count);
     }
     return *finest_level_;
-}
-
-Multilevel Component::weighted_levels(bool coarse,
-                                      const std::vector<int>& weights,
-                                      int thread_count,
-                                      const Progress& progress) {
-    return coarse ? Multilevel(hierarchy(thread_count, progress), face_count(), weights)
-                  : Multilevel(*mesh_, *dual_graph_, weights);
 }
 
 std::vector<std::vector<int>> faces_of_components(const DualGraph& dual_graph) {

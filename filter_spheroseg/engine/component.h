@@ -31,12 +31,7 @@ public:
     /// without any coarse version, which needs no hierarchy.
     const CollapseHierarchy& hierarchy(int thread_count, const Progress& progress);
     const Multilevel& multilevel(int thread_count, const Progress& progress);
-    const Multilevel& finest_level();
-    /// With weights of the faces (see Multilevel), `coarse` or only the finest level. Not kept.
-    Multilevel weighted_levels(bool coarse,
-                               const std::vector<int>& weights,
-                               int thread_count,
-                               const Progress& progress);
+    const Multilevel& finest_level(int thread_count);
 
 private:
     struct Surface {
@@ -48,7 +43,7 @@ private:
     std::unique_ptr<Surface> own_;
     const TriangleMesh* mesh_;
     const DualGraph* dual_graph_;
-    std::unique_ptr<CollapseHierarchy> hierarchy_; // its address must last for multilevel_
+    std::optional<CollapseHierarchy> hierarchy_;
     std::optional<Multilevel> multilevel_;
     std::optional<Multilevel> finest_level_;
 };

@@ -96,7 +96,7 @@ private:
         const int mean = finest.face_count() / submesh_count;
         for (int least = mean; least >= std::max(1, mean - difference); --least) {
             if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
-                result_.labels = labels_of(patchwork);
+                result_.labels = finest.labels(patchwork);
                 return;
             }
         }

@@ -29,6 +29,7 @@ public:
         for (Cell& cell : patchwork_.cells) {
             cell.label = kFree;
         }
+        patchwork_.tell_neighbors();
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         return rest_can_be_parted(patchwork_.submesh_count()) && place_submesh(0);
     }
@@ -38,7 +39,7 @@ public:
 private:
     int free_neighbors(int face) const {
         int count = 0;
-        for (int neighbor : patchwork_.cells[face].neighbor) {
+        for (int neighbor : patchwork_.neighbors(face)) {
             count += neighbor >= 0 && patchwork_.cells[neighbor].label == kFree;
         }
         return count;
@@ -122,11 +123,11 @@ private:
             const int face = *next;
             frontier.erase(next);
             if (patchwork_.load[label] == 0 || may_join(patchwork_, face, label)) {
-                patchwork_.cells[face].label = label;
+                patchwork_.set_label(face, label);
                 ++patchwork_.load[label];
                 --free_count_;
                 std::vector<int> wider = frontier;
-                for (int neighbor : patchwork_.cells[face].neighbor) {
+                for (int neighbor : patchwork_.neighbors(face)) {
                     if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree &&
                         std::find(wider.begin(), wider.end(), neighbor) == wider.end() &&
                         std::find(excluded.begin(), excluded.end(), neighbor) == excluded.end()) {
@@ -136,7 +137,7 @@ private:
                 if (grow(label, size, std::move(wider), excluded)) {
                     return true;
                 }
-                patchwork_.cells[face].label = kFree;
+                patchwork_.set_label(face, kFree);
                 --patchwork_.load[label];
                 ++free_count_;
             }
@@ -169,7 +170,7 @@ private:
         queue_.assign(1, start);
         seen_[start] = 1;
         for (std::size_t head = 0; head < queue_.size(); ++head) {
-            for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
+            for (int neighbor : patchwork_.neighbors(queue_[head])) {
                 if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree &&
                     !seen_[neighbor]) {
                     seen_[neighbor] = 1;

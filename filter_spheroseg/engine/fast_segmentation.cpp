@@ -26,15 +26,13 @@ namespace {
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
 constexpr int kCoarseFacesPerSubmesh = 60;
-/// ... and at least so many in all, ...
+/// ... and at least so many in all, if there is such a level.
 constexpr int kMinCoarseFaces = 240;
-/// ... if that has less than this share of the input's faces.
-constexpr double kWorthCoarsening = 0.7;
+/// Faces from which on a sub-mesh is not small.
+constexpr int kSmallSubmesh = 86;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
-/// About as many cells as fit in a core's own cache.
-constexpr int kMinFacesToSort = 30000;
 /// Level at which trials of the first start are compared, and the most trials.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 8;
@@ -60,11 +58,7 @@ public:
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          result_(result), budget_(budget_of(options.effort)) {
-        if (!task.device) {
-            linked_cells_.reserve(component.face_count());
-        }
-    }
+          result_(result), budget_(budget_of(options.effort)) {}
 
     void run() {
         const Deadline watch;
@@ -103,22 +97,22 @@ private:
     bool by_weight() const { return !task_.weights.empty(); }
 
     void prepare_levels(const Progress& progress) {
+        multilevel_ = coarsens() ? &component_.multilevel(options_.thread_count, progress)
+                                 : &component_.finest_level(options_.thread_count);
         if (by_weight()) {
             weighted_.emplace(
-                component_.weighted_levels(coarsens(),
-                                           quantized_weights(task_.weights, submesh_count_),
-                                           options_.thread_count,
-                                           progress));
+                multilevel_->with_weights(quantized_weights(task_.weights, submesh_count_)));
             multilevel_ = &*weighted_;
-        } else if (coarsens()) {
-            multilevel_ = &component_.multilevel(options_.thread_count, progress);
-        } else {
-            multilevel_ = &component_.finest_level();
         }
     }
 
+    /// Are sub-meshes so small that fewer proposals per boundary face suffice?
+    bool is_small() const {
+        return component_.face_count() < std::int64_t{kSmallSubmesh} * submesh_count_;
+    }
+
     bool coarsens() const {
-        return coarse_face_count() < kWorthCoarsening * component_.face_count();
+        return coarse_face_count() < MeshLevels::kLeastShare * component_.face_count();
     }
 
     /// Initial labels that are valid already are a result to beat.
@@ -135,9 +129,15 @@ private:
         }
     }
 
-    Patchwork input_labels() const {
-        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
-        multilevel_->set_labels(patchwork, task_.initial_labels);
+    Patchwork input_labels() const { return finest_with(task_.initial_labels); }
+
+    Patchwork level_with(int least_face_count) const {
+        return multilevel_->coarsen(least_face_count, submesh_count_, options_.thread_count);
+    }
+
+    Patchwork finest_with(const std::vector<int>& labels) const {
+        Patchwork patchwork = level_with(component_.face_count());
+        multilevel_->set_labels(patchwork, labels);
         return patchwork;
     }
 
@@ -192,7 +192,7 @@ private:
 
     /// The last resort, where moves got stuck on narrow branches.
     void search() {
-        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
+        Patchwork patchwork = level_with(component_.face_count());
         if (cut_exactly(patchwork, task_.least_count, task_.largest_count, kMaxSearchSteps)) {
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
@@ -249,10 +249,9 @@ private:
     /// Up to the level of the trials.
     void anneal_trial(Patchwork& patchwork, bool freely) {
         const Deadline watch;
-        AnnealSchedule schedule = coarse_schedule();
+        AnnealSchedule schedule = first_schedule();
         AnnealControl unrecorded;
         unrecorded.deadline = &deadline_;
-        unrecorded.room = &linked_cells_;
         for (;;) {
             set_balance(schedule, patchwork, 0.5, 1.5);
             if (freely) {
@@ -264,7 +263,7 @@ private:
             if (patchwork.face_count() >= std::min(kTrialFaces, component_.face_count())) {
                 break;
             }
-            uncoarsen(patchwork);
+            multilevel_->uncoarsen(patchwork, options_.thread_count);
         }
         report_progress(start_progress_, 0.25, "Refinement");
         result_.refinement_seconds += watch.elapsed_seconds();
@@ -272,17 +271,14 @@ private:
 
     Patchwork graph_start(int start) {
         const Deadline watch;
-        const int face_count = component_.face_count();
-        Patchwork patchwork = multilevel_->coarsen(
-            coarsens() && start < 2 ? coarse_face_count() : face_count, submesh_count_);
+        Patchwork patchwork =
+            level_with(coarsens() && start < 2 ? coarse_face_count() : component_.face_count());
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
         if (start < 3) {
             AnnealControl cohesion = control(0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
             const std::size_t before = result_.seconds_by_iteration.size();
-            in_label_order(patchwork, [&](Patchwork& level) {
-                relax(level, budget_.relaxations, options_.thread_count, cohesion);
-            });
+            relax(patchwork, budget_.relaxations, options_.thread_count, cohesion);
             result_.cohesion_iterations +=
                 static_cast<int>(result_.seconds_by_iteration.size() - before);
         }
@@ -306,8 +302,7 @@ private:
         const SwapIterations cohesion = cohere_pairs(
             centroids, submesh_count_, limits, labels, sub_progress(start_progress_, 0.22, 0.25));
         result_.cohesion_iterations += cohesion.count();
-        Patchwork patchwork = multilevel_->coarsen(component_.face_count(), submesh_count_);
-        multilevel_->set_labels(patchwork, labels);
+        Patchwork patchwork = finest_with(labels);
         result_.cohesion_seconds += watch.elapsed_seconds();
         return patchwork;
     }
@@ -326,15 +321,15 @@ private:
         schedule.balance_weight_end = end / faces_per_submesh;
     }
 
-    AnnealSchedule coarse_schedule() const {
+    AnnealSchedule first_schedule() const {
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_;
         schedule.temperature_begin = 0.35;
         schedule.temperature_end = 0.15;
         schedule.proposals_per_face =
-            coarsens() ? budget_.coarse_proposals : budget_.only_level_proposals;
-        schedule.phase_count = budget_.coarse_phases;
+            is_small() ? budget_.small_first_proposals : budget_.first_proposals;
+        schedule.phase_count = budget_.first_phases;
         return schedule;
     }
 
@@ -345,18 +340,10 @@ private:
         schedule.phase_count = budget_.level_phases;
     }
 
-    void uncoarsen(Patchwork& patchwork) const {
-        const int face_count = component_.face_count();
-        const double grown = patchwork.face_count() * budget_.growth;
-        multilevel_->uncoarsen(patchwork,
-                               grown < kWorthCoarsening * face_count ? static_cast<int>(grown)
-                                                                     : face_count);
-    }
-
     /// `is_annealed`: the first level was annealed before.
     void refine_levels(Patchwork& patchwork, bool is_annealed) {
         const Deadline watch;
-        AnnealSchedule schedule = coarse_schedule();
+        AnnealSchedule schedule = first_schedule();
         if (is_annealed) {
             continue_schedule(schedule);
         }
@@ -366,37 +353,22 @@ private:
             set_balance(schedule, patchwork, 0.5, 1.5);
             const double next = done + (0.7 - done) * 0.4;
             if (!is_annealed) {
-                in_label_order(patchwork, [&](Patchwork& level) {
-                    anneal(level, schedule, control(done, next));
-                });
+                anneal(patchwork, schedule, control(done, next));
                 continue_schedule(schedule);
             }
             is_annealed = false;
             done = next;
-            uncoarsen(patchwork);
+            multilevel_->uncoarsen(patchwork, options_.thread_count);
         }
         schedule.temperature_end = 0.1;
         set_balance(schedule, patchwork, 0.5, 10.0);
-        in_label_order(patchwork, [&](Patchwork& finest) {
-            anneal(finest, schedule, control(done, 0.7));
-            if (by_weight()) {
-                balance_by_weight(finest, exchanges(), control(0.7, 1.0));
-            } else if (balance(finest)) {
-                anneal_balanced(finest, exchanges(), control(0.7, 1.0));
-            }
-        });
-        result_.refinement_seconds += watch.elapsed_seconds();
-    }
-
-    /// Works on a copy sorted by label where caches are too small for the whole mesh.
-    template <typename Work> void in_label_order(Patchwork& patchwork, Work work) {
-        if (patchwork.face_count() < kMinFacesToSort) {
-            work(patchwork);
-            return;
+        anneal(patchwork, schedule, control(done, 0.7));
+        if (by_weight()) {
+            balance_by_weight(patchwork, exchanges(), control(0.7, 1.0));
+        } else if (balance(patchwork)) {
+            anneal_balanced(patchwork, exchanges(), control(0.7, 1.0));
         }
-        SortedPatchwork sorted = sort_by_label(patchwork, options_.thread_count);
-        work(sorted.patchwork);
-        take_labels(patchwork, sorted);
+        result_.refinement_seconds += watch.elapsed_seconds();
     }
 
     /// At most a tenth of all faces are too many where they are.
@@ -442,7 +414,7 @@ private:
         schedule.temperature_begin = 0.25;
         schedule.temperature_end = 0.08;
         schedule.proposals_per_face =
-            coarsens() ? budget_.exchange_proposals : budget_.only_level_exchanges;
+            is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;
         schedule.least_proposals = kLeastExchanges;
         schedule.phase_count = budget_.level_phases;
         return schedule;
@@ -452,7 +424,6 @@ private:
         AnnealControl control;
         control.deadline = &deadline_;
         control.device = task_.device;
-        control.room = &linked_cells_;
         control.progress = sub_progress(start_progress_, begin, end);
         control.boundary_edges = &result_.boundary_edges_by_iteration;
         control.seconds = &result_.seconds_by_iteration;
@@ -476,8 +447,6 @@ private:
     const Budget budget_;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
-    /// Room for the annealing of the finest level; the system gives it as it is used.
-    std::vector<LinkedCell> linked_cells_;
     std::int64_t least_cost_ = -1;
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;

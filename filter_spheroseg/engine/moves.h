@@ -2,7 +2,7 @@
 #pragma once
 
 // The moves of the refinement and the tests which of them keep sub-meshes connected and free of
-// bowties. `Patches` is a labelled mesh: Patchwork, LinkedPatchwork, or what a GPU holds of one.
+// bowties. `Patches` is a labelled mesh: a Patchwork, or what a GPU holds of one.
 // It has `label(face)`, `weight(face)`, `neighbor(face, corner)`, `label_across(face, corner)`,
 // `step_from(step)` and `may_close_rings`, as Patchwork has.
 
@@ -10,19 +10,37 @@
 
 namespace spheroseg {
 
-/// A face with its label, as the refinement sees it. `neighbor[c]` lies across the edge from
-/// corner c to corner (c + 1) % 3; -1 on an open border. Half a cache line.
+/// The label across a side on an open border.
+constexpr int kOpenBorder = -2;
+
+/// A side of a neighbour, where two faces meet: face << 3 | corner << 1 | turned, if the side runs
+/// from `corner` of `face` to its next corner; turned: both faces run over the edge in the same
+/// direction, as on a Moebius strip. Negative on an open border.
+using NeighborSide = int;
+constexpr int kMaxFaces = 1 << 28;
+
+SPHEROSEG_INNER int face_of(NeighborSide side) {
+    return side >> 3;
+}
+SPHEROSEG_INNER int corner_of(NeighborSide side) {
+    return side >> 1 & 3;
+}
+SPHEROSEG_INNER bool is_turned(NeighborSide side) {
+    return (side & 1) != 0;
+}
+
+/// A face with its label and what lies across its sides, as the refinement sees it. Side c runs
+/// from corner c to corner (c + 1) % 3. Half a cache line.
 struct alignas(32) Cell {
-    int vertex[3];
-    int neighbor[3];
+    NeighborSide side[3];
+    /// Labels across the sides, kOpenBorder where there is none: they are read far more often than
+    /// written.
+    int across[3];
     /// Sub-mesh, or -1 while unassigned.
     int label;
     /// Faces of the input mesh that this face stands for.
     int weight;
 };
-
-/// The label across a side on an open border.
-constexpr int kOpenBorder = -2;
 
 // A table on the cores; a GPU, which has none in its registers, shifts the same entries of two
 // bits.
@@ -44,10 +62,6 @@ SPHEROSEG_INNER int previous_corner(int corner) {
 #endif
 }
 
-SPHEROSEG_HOST_DEVICE inline int corner_of(const Cell& cell, int vertex) {
-    return (cell.vertex[1] == vertex) + 2 * (cell.vertex[2] == vertex);
-}
-
 /// A face around a vertex, as a walk from face to face meets it: the corner of the vertex, and the
 /// side across which the walk goes on, one of the two at that corner. Needs no common orientation
 /// of the faces.
@@ -63,14 +77,14 @@ struct Step {
     SPHEROSEG_HOST_DEVICE int to() const { return exit == at ? next_corner(at) : exit; }
 };
 
-/// The step across `step.exit` to the face there, which must be one.
-SPHEROSEG_HOST_DEVICE inline Step step_between(const Cell* cells, const Step& step) {
-    const Cell& left = cells[step.face];
-    const int next = left.neighbor[step.exit];
-    const Cell& entered = cells[next];
-    const int at = corner_of(entered, left.vertex[step.at]);
-    const bool along = entered.vertex[next_corner(at)] != left.vertex[step.to()];
-    return {next, at, along ? at : previous_corner(at)};
+/// The step across `step.exit` to the face there, which must be one; `side` is what lies there.
+SPHEROSEG_INNER Step step_across(const Step& step, NeighborSide side) {
+    const int corner = corner_of(side);
+    const int next = next_corner(corner);
+    // The vertex lies at the begin of the side that is left, or at its end; the face beyond has
+    // the side the other way round, unless it is turned.
+    const bool at_end = (step.exit == step.at) != is_turned(side);
+    return {face_of(side), at_end ? next : corner, at_end ? next : previous_corner(corner)};
 }
 
 /// Calls `visit(face, label)` for the faces around the vertex at `corner` of `face`, without `face`

@@ -1,37 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "hierarchy.h"
+#include "levels.h"
 #include "patchwork.h"
+
+#include <memory>
 
 namespace spheroseg {
 
-/// Coarse versions of a mesh as patchworks, and the way back. A face of a coarse mesh weighs as
-/// much as the faces of the input mesh that it stands for. The k-independent part of a
-/// segmentation.
-///
-/// Cells are numbered in the order in which they appear, coarse ones first, so that every level
-/// is a prefix of the next one.
+/// The levels of a mesh as patchworks: coarse ones, and the way back. A cell weighs as much as the
+/// faces that it stands for. What a segmentation needs that does not depend on k.
 class Multilevel {
 public:
-    /// `hierarchy` must outlive this object. `weights` has one whole number >= 1 per face of the
-    /// input mesh, with a sum below 2^30; empty: all 1. O(F).
-    Multilevel(const CollapseHierarchy& hierarchy,
-               int face_count,
-               const std::vector<int>& weights = {});
-    /// The finest level only, its cells in the order of the faces.
-    Multilevel(const TriangleMesh& mesh,
-               const DualGraph& dual_graph,
-               const std::vector<int>& weights = {});
+    /// See build_levels.
+    Multilevel(const CollapseHierarchy& hierarchy, int face_count, int thread_count = 1);
+    /// The finest level only.
+    Multilevel(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count = 1);
 
-    /// The coarsest level with at least `min_face_count` faces (the finest one if there is none),
+    /// The same levels, which are not copied, with weights: one whole number >= 1 per face of the
+    /// input mesh, with a sum below 2^30; empty: all 1.
+    Multilevel with_weights(const std::vector<int>& weights) const;
+
+    /// The coarsest level with at least `min_face_count` cells (the finest one if there is none),
     /// with all labels 0.
-    Patchwork coarsen(int min_face_count, int submesh_count) const;
+    Patchwork coarsen(int min_face_count, int submesh_count, int thread_count = 1) const;
 
-    /// Undoes collapses, round by round, until there are at least `min_face_count` faces or all.
-    /// New faces get the label of a neighbour, so that loads stay the same, and every sub-mesh
-    /// stays connected and free of bowties.
-    void uncoarsen(Patchwork& patchwork, int min_face_count) const;
+    /// Turns a patchwork into that of the next finer level, if there is one. Cells get the labels
+    /// of those that stood for them, so that loads stay the same, and every sub-mesh stays
+    /// connected and free of bowties.
+    void uncoarsen(Patchwork& patchwork, int thread_count = 1) const;
 
     /// Labels of the finest level in the order of the input mesh's faces.
     std::vector<int> labels(const Patchwork& patchwork) const;
@@ -40,23 +37,21 @@ public:
     /// unassigned.
     void set_labels(Patchwork& patchwork, const std::vector<int>& labels) const;
 
-    int face_count() const { return static_cast<int>(cell_of_face_.size()); }
+    int face_count() const { return static_cast<int>(levels_->face_at.size()); }
+    int level_count() const { return static_cast<int>(levels_->levels.size()); }
     /// Sum of the weights of all faces.
-    int total_weight() const { return total_weight_; }
+    int total_weight() const { return weight_before(face_count()); }
 
 private:
-    Multilevel(const CollapseHierarchy* hierarchy, int face_count, const std::vector<int>& weights);
-    void undo(Patchwork& patchwork, int step) const;
-    int undo_side(Patchwork& patchwork, int step, bool first) const;
+    const Level& level_of(const Patchwork& patchwork) const;
+    /// The weight of the first cells of the finest level.
+    int weight_before(int finest) const {
+        return weight_before_.empty() ? finest : weight_before_[finest];
+    }
+    void fill(Patchwork& patchwork, const Level& level, int first, int end, int label) const;
 
-    const CollapseHierarchy* hierarchy_; // null without coarse levels
-    /// Number of faces before each step is undone; falls with the steps.
-    std::vector<int> faces_before_;
-    std::vector<int> cell_of_face_;
-    /// Weight of each face when it was collapsed, or at the end.
-    std::vector<int> weight_;
-    int total_weight_ = 0;
-    Patchwork base_;
+    std::shared_ptr<const MeshLevels> levels_;
+    std::vector<int> weight_before_; // empty: all weights are 1
 };
 
 } // namespace spheroseg

@@ -4,6 +4,7 @@
 #include "dual_graph.h"
 #include "moves.h"
 
+#include <array>
 #include <vector>
 
 namespace spheroseg {
@@ -24,35 +25,48 @@ struct Patchwork {
     int face_count() const { return static_cast<int>(cells.size()); }
     int submesh_count() const { return static_cast<int>(load.size()); }
 
-    int label(int face) const { return __atomic_load_n(&cells[face].label, __ATOMIC_RELAXED); }
+    int label(int face) const { return read(cells[face].label); }
     int weight(int face) const { return cells[face].weight; }
     /// The face across an edge; -1 on an open border.
-    int neighbor(int face, int corner) const { return cells[face].neighbor[corner]; }
+    int neighbor(int face, int corner) const { return face_of(cells[face].side[corner]); }
+    std::array<int, 3> neighbors(int face) const {
+        return {neighbor(face, 0), neighbor(face, 1), neighbor(face, 2)};
+    }
     /// Its label; kOpenBorder if there is none.
-    int label_across(int face, int corner) const {
-        const int other = neighbor(face, corner);
-        return other < 0 ? kOpenBorder : label(other);
+    int label_across(int face, int corner) const { return read(cells[face].across[corner]); }
+    Step step_from(const Step& step) const {
+        return step_across(step, cells[step.face].side[step.exit]);
     }
-    Step step_from(const Step& step) const { return step_between(cells.data(), step); }
+
     void set_label(int face, int new_label) {
-        __atomic_store_n(&cells[face].label, new_label, __ATOMIC_RELAXED);
+        Cell& cell = cells[face];
+        write(cell.label, new_label);
+        for (NeighborSide side : cell.side) {
+            if (side >= 0) {
+                write(cells[face_of(side)].across[corner_of(side)], new_label);
+            }
+        }
     }
+
+    /// These two label many faces at once: the first one does not tell the neighbours, the second
+    /// one tells all of them. O(F), parallel.
+    void set_own_label(int face, int new_label) { write(cells[face].label, new_label); }
+    void tell_neighbors(int thread_count = 1);
+
+private:
+    static int read(const int& label) { return __atomic_load_n(&label, __ATOMIC_RELAXED); }
+    static void write(int& label, int value) { __atomic_store_n(&label, value, __ATOMIC_RELAXED); }
 };
 
 /// Does a face that is in no sub-mesh touch sub-mesh `to` by an edge, and would it join it without
 /// a bowtie?
 bool may_join(const Patchwork& patchwork, int face, int to);
 
-// One copy for all that work on the cores.
-extern template bool no_label_around(const Patchwork&, int face, int corner, int label);
-extern template bool all_label_around(const Patchwork&, int face, int corner, int label);
-extern template bool describe_single(const Patchwork&, int face, int corner, Move&);
-extern template bool single_is_allowed(const Patchwork&, int face, int corner, const Move&);
-extern template bool describe_fan(const Patchwork&, int face, int corner, bool forward, Fan&);
-extern template bool fan_is_allowed(const Patchwork&, const Fan&);
-
 /// Relabels the faces of the move and keeps `load` up to date.
 void apply(Patchwork& patchwork, const Move& move);
+
+/// Sums `load` up again.
+void sum_loads(Patchwork& patchwork);
 
 /// The load that all sub-meshes would have if they were balanced.
 double mean_load(const Patchwork& patchwork);
@@ -61,16 +75,5 @@ double mean_face_weight(const Patchwork& patchwork);
 
 /// Labels of a finished patchwork, in face order.
 std::vector<int> labels_of(const Patchwork& patchwork);
-
-/// A copy whose cells are sorted by label, so that what is worked on together lies together in
-/// memory: cell i is cell order[i] of the original. O(F), parallel.
-struct SortedPatchwork {
-    Patchwork patchwork;
-    std::vector<int> order;
-};
-SortedPatchwork sort_by_label(const Patchwork& patchwork, int thread_count);
-
-/// Takes the labels and loads of the sorted copy back.
-void take_labels(Patchwork& patchwork, const SortedPatchwork& sorted);
 
 } // namespace spheroseg

@@ -21,9 +21,8 @@ inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool 
     if (outward) {
         return {face, corner};
     }
-    const int other = patchwork.cells[face].neighbor[corner];
-    const Cell& cell = patchwork.cells[other];
-    return {other, cell.neighbor[0] == face ? 0 : (cell.neighbor[1] == face ? 1 : 2)};
+    const NeighborSide across = patchwork.cells[face].side[corner];
+    return {face_of(across), corner_of(across)};
 }
 
 /// Chains of passes, each of one face from a sub-mesh to a neighbour, from a sub-mesh with too many

@@ -15,6 +15,8 @@ namespace spheroseg {
 
 namespace {
 
+/// Waves that several threads spread pay for a compare-and-swap at every face.
+constexpr int kFacesPerWorker = 4 * kFacesPerThread;
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
 
@@ -36,7 +38,7 @@ class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
-          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerThread)),
+          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
           offsets_(patchwork.submesh_count(), 0.0), inside_(patchwork.cells.size() + 1),
           keys_(patchwork.cells.size() + 1) {
@@ -116,6 +118,7 @@ private:
         each_worker([&](Worker& worker, int w) { find_centers(worker, w); });
         each_worker([&](Worker& worker, int w) { grow(worker, w, least); });
         each_worker([&](Worker& worker, int w) { take_labels(worker, w); });
+        patchwork_.tell_neighbors(static_cast<int>(workers_.size()));
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         for (const Worker& worker : workers_) {
             for (std::size_t l = 0; l < offsets_.size(); ++l) {
@@ -128,8 +131,7 @@ private:
     }
 
     int begin_of(int worker, int count) const {
-        return static_cast<int>(static_cast<std::int64_t>(count) * worker /
-                                static_cast<int>(workers_.size()));
+        return share_begin(worker, static_cast<int>(workers_.size()), count);
     }
 
     void list_boundary(Worker& worker, int w) {
@@ -141,8 +143,8 @@ private:
         for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
             const Cell& cell = patchwork_.cells[f];
             int differing = 0;
-            for (int neighbor : cell.neighbor) {
-                differing += neighbor >= 0 && patchwork_.cells[neighbor].label != cell.label;
+            for (int label : cell.across) {
+                differing += label != kOpenBorder && label != cell.label;
             }
             inside_[f] = differing == 0;
             keys_[f].store(kUnreached, std::memory_order_relaxed);
@@ -208,7 +210,7 @@ private:
             worker.segments.push_back(ring_end);
             for (; head < ring_end; ++head) {
                 make_room(queue, tail);
-                for (int neighbor : patchwork_.cells[queue[head]].neighbor) {
+                for (int neighbor : patchwork_.neighbors(queue[head])) {
                     std::uint8_t& mark = inside_[neighbor < 0 ? nowhere : neighbor];
                     const std::uint8_t is_new = __atomic_load_n(&mark, __ATOMIC_RELAXED);
                     __atomic_store_n(&mark, 0, __ATOMIC_RELAXED);
@@ -275,7 +277,7 @@ private:
         }
         const int nowhere = patchwork_.face_count();
         const Key reached = make_key(distance + kStep, label_of(key));
-        for (int neighbor : patchwork_.cells[face].neighbor) {
+        for (int neighbor : patchwork_.neighbors(face)) {
             queue[tail] = neighbor;
             tail += lower(keys_[neighbor < 0 ? nowhere : neighbor], reached);
         }

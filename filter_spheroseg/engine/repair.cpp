@@ -51,6 +51,7 @@ private:
         for (Cell& cell : patchwork_.cells) {
             cell.label = candidate(cell.label);
         }
+        patchwork_.tell_neighbors();
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         for (int l = 0; l < submesh_count; ++l) {
             if (seeds[l] >= 0) {
@@ -63,6 +64,7 @@ private:
         for (Cell& cell : patchwork_.cells) {
             cell.label = std::max(cell.label, -1);
         }
+        patchwork_.tell_neighbors();
     }
 
     /// The face of a sub-mesh that is farthest from its boundary, of the component where that is
@@ -72,22 +74,20 @@ private:
         queue_.clear();
         for (int i = begin; i < end; ++i) {
             const Cell& cell = patchwork_.cells[faces[i]];
-            for (int neighbor : cell.neighbor) {
-                if (neighbor < 0 || patchwork_.cells[neighbor].label != cell.label) {
-                    seen[faces[i]] = 1;
-                    queue_.push_back(faces[i]);
-                    break;
-                }
+            if (std::any_of(cell.across, cell.across + 3, [&](int across) {
+                    return across != cell.label;
+                })) {
+                seen[faces[i]] = 1;
+                queue_.push_back(faces[i]);
             }
         }
         if (queue_.empty()) {
             return begin < end ? faces[begin] : -1;
         }
         for (std::size_t head = 0; head < queue_.size(); ++head) {
-            const Cell& cell = patchwork_.cells[queue_[head]];
-            for (int neighbor : cell.neighbor) {
-                if (neighbor >= 0 && !seen[neighbor] &&
-                    patchwork_.cells[neighbor].label == cell.label) {
+            const int label = patchwork_.label(queue_[head]);
+            for (int neighbor : patchwork_.neighbors(queue_[head])) {
+                if (neighbor >= 0 && !seen[neighbor] && patchwork_.label(neighbor) == label) {
                     seen[neighbor] = 1;
                     queue_.push_back(neighbor);
                 }
@@ -97,7 +97,7 @@ private:
     }
 
     void take(int face, int label) {
-        patchwork_.cells[face].label = label;
+        patchwork_.set_label(face, label);
         patchwork_.load[label] += patchwork_.cells[face].weight;
     }
 
@@ -110,7 +110,7 @@ private:
         std::size_t head = 0;
         do {
             for (; head < queue_.size(); ++head) {
-                for (int neighbor : patchwork_.cells[queue_[head]].neighbor) {
+                for (int neighbor : patchwork_.neighbors(queue_[head])) {
                     if (neighbor < 0 || patchwork_.cells[neighbor].label != candidate(label)) {
                         continue;
                     }
@@ -218,7 +218,7 @@ private:
         bool is_first = true;
         for (int f = 0; f < patchwork_.face_count(); ++f) {
             if (patchwork_.cells[f].label == heaviest && !std::exchange(is_first, false)) {
-                patchwork_.cells[f].label = -1;
+                patchwork_.set_label(f, -1);
                 patchwork_.load[heaviest] -= patchwork_.cells[f].weight;
                 free_faces.push_back(f);
             }
@@ -302,7 +302,7 @@ private:
     }
 
     void list_free_neighbors(int face, std::deque<int>& queue) const {
-        for (int neighbor : patchwork_.cells[face].neighbor) {
+        for (int neighbor : patchwork_.neighbors(face)) {
             if (neighbor >= 0 && patchwork_.cells[neighbor].label == -1) {
                 queue.push_back(neighbor);
             }

@@ -50,7 +50,7 @@ public:
         apply(patchwork_, move);
         const int face = move.faces[0];
         list(face, move.to);
-        for (int neighbor : patchwork_.cells[face].neighbor) {
+        for (int neighbor : patchwork_.neighbors(face)) {
             if (neighbor >= 0 && patchwork_.label(neighbor) == move.from) {
                 list(neighbor, move.from);
             }

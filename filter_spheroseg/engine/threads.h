@@ -21,6 +21,11 @@ inline int resolve_thread_count(int thread_count) {
 /// going over some thousands.
 constexpr int kFacesPerThread = 8192;
 
+/// Where share `i` of `share_count` nearly equal shares of `items` items begins.
+inline int share_begin(int i, int share_count, int items) {
+    return static_cast<int>(static_cast<std::int64_t>(items) * i / share_count);
+}
+
 /// As resolve_thread_count, but at least 1 and no more than there are shares of `share` items.
 inline int threads_for(int thread_count, std::int64_t items, std::int64_t share) {
     return static_cast<int>(

@@ -28,23 +28,21 @@ int fan_ends(const Patchwork& patchwork, int face, int corner) {
 
 /// More than one fan of the face's sub-mesh lies around the vertex at `corner`.
 bool has_bowtie_at(const Patchwork& patchwork, int face, int corner) {
-    const int vertex = patchwork.cells[face].vertex[corner];
-    const int label = patchwork.cells[face].label;
+    const int label = patchwork.label(face);
     int ends = fan_ends(patchwork, face, corner);
-    walk_around(patchwork, face, corner, false, [&](int f, int around) {
-        if (around == label) {
-            ends += fan_ends(patchwork, f, corner_of(patchwork.cells[f], vertex));
+    for (int exit : {corner, previous_corner(corner)}) {
+        Step step{face, corner, exit};
+        while (patchwork.neighbor(step.face, step.exit) >= 0) {
+            step = patchwork.step_from(step);
+            if (step.face == face) {
+                return ends > 2;
+            }
+            if (patchwork.label(step.face) == label) {
+                ends += fan_ends(patchwork, step.face, step.at);
+            }
         }
-        return ends <= 2;
-    });
-    return ends > 2;
-}
-
-void sum_loads(Patchwork& patchwork) {
-    std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
-    for (const Cell& cell : patchwork.cells) {
-        patchwork.load[cell.label] += cell.weight;
     }
+    return ends > 2;
 }
 
 bool is_even(const Patchwork& patchwork) {
@@ -101,9 +99,9 @@ void spread_labels(Patchwork& patchwork) {
         }
     }
     for (std::size_t head = 0; head < queue.size(); ++head) {
-        for (int neighbor : patchwork.cells[queue[head]].neighbor) {
+        for (int neighbor : patchwork.neighbors(queue[head])) {
             if (neighbor >= 0 && patchwork.cells[neighbor].label < 0) {
-                patchwork.cells[neighbor].label = patchwork.cells[queue[head]].label;
+                patchwork.set_own_label(neighbor, patchwork.label(queue[head]));
                 queue.push_back(neighbor);
             }
         }
@@ -111,6 +109,7 @@ void spread_labels(Patchwork& patchwork) {
     for (Cell& cell : patchwork.cells) {
         cell.label = std::max(cell.label, 0);
     }
+    patchwork.tell_neighbors();
     sum_loads(patchwork);
 }
 
@@ -126,14 +125,15 @@ void part_submesh(Patchwork& patchwork,
     }
     for (int f : faces) {
         Cell cell = patchwork.cells[f];
-        for (int& neighbor : cell.neighbor) {
-            neighbor = neighbor < 0 ? neighbor : place[neighbor];
+        for (NeighborSide& side : cell.side) {
+            const int at = side < 0 ? -1 : place[face_of(side)];
+            side = at < 0 ? -1 : at << 3 | (side & 7);
         }
         part.cells.push_back(cell);
     }
     bisect(part, static_cast<int>(labels.size()), seed, 1);
     for (std::size_t i = 0; i < faces.size(); ++i) {
-        patchwork.cells[faces[i]].label = labels[part.cells[i].label];
+        patchwork.set_own_label(faces[i], labels[part.label(static_cast<int>(i))]);
         place[faces[i]] = -1;
     }
 }
@@ -187,7 +187,7 @@ std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
         while (!queue.empty()) {
             const int face = queue.back();
             queue.pop_back();
-            for (int neighbor : patchwork.cells[face].neighbor) {
+            for (int neighbor : patchwork.neighbors(face)) {
                 if (neighbor >= 0 && !seen[neighbor] && patchwork.cells[neighbor].label == label) {
                     seen[neighbor] = 1;
                     queue.push_back(neighbor);

@@ -273,6 +273,35 @@ TEST(General, SharesThatABranchCanNotTakeAreChanged) {
     }
 }
 
+TEST(General, SharesThatATreeCanNotTakeAreSearchedFor) {
+    // Found by fuzzing: a tree of 24 triangles, a fan of 24 and four tetrahedra. Nine sub-meshes
+    // can have 4 to 12 faces, but the tree can not be cut as the first choice of shares asks.
+    TriangleMesh tree;
+    tree.faces = {{0, 1, 2},    {1, 0, 3},   {2, 1, 4},   {3, 0, 5},   {5, 0, 6},    {6, 0, 7},
+                  {1, 3, 8},    {1, 8, 9},   {3, 5, 10},  {0, 2, 11},  {0, 11, 12},  {1, 9, 13},
+                  {6, 7, 14},   {10, 5, 15}, {8, 3, 16},  {4, 1, 17},  {4, 17, 18},  {8, 16, 19},
+                  {10, 15, 20}, {6, 14, 21}, {1, 13, 22}, {0, 12, 23}, {12, 11, 24}, {3, 10, 25}};
+    tree.positions.resize(26);
+    TriangleMesh mesh = open_fan(24);
+    for (int i = 0; i < 4; ++i) {
+        append(mesh, tetrahedron());
+    }
+    append(mesh, tree);
+    // Faces that lie side by side are not numbered so.
+    for (int i = 0; i < mesh.face_count(); ++i) {
+        std::swap(mesh.faces[i], mesh.faces[5 * i % mesh.face_count()]);
+    }
+    PreparedMesh prepared(mesh);
+    SegmentOptions options;
+    options.submesh_count = 9;
+    const Segmentation result = segment(prepared, options);
+    const fuzz::Recount recount = fuzz::Surface(mesh).recount(result.labels, 9);
+    EXPECT_EQ(result.best_max_triangle_count_difference, 8);
+    EXPECT_EQ(recount.max_triangle_count_difference, 8);
+    EXPECT_EQ(recount.disconnected_submesh_count, 0);
+    EXPECT_EQ(recount.bowtie_count, 0);
+}
+
 TEST(General, IterationsOfComponentsAddUp) {
     TriangleMesh spheres = icosphere(3);
     append(spheres, icosphere(4));

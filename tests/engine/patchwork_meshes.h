@@ -3,6 +3,7 @@
 
 #include "bisection.h"
 #include "component.h"
+#include "level_mesh.h"
 #include "measures.h"
 #include "multilevel.h"
 #include "repair.h"
@@ -75,16 +76,10 @@ inline bool is_sound(const Measures& measures) {
         measures.bowtie_count == 0;
 }
 
-/// The mesh that a patchwork is, as arrays of its own, and its labels measured.
-inline Measures measures_of_level(const Patchwork& patchwork, int vertex_count) {
-    TriangleMesh mesh;
-    mesh.positions.resize(vertex_count);
-    std::vector<int> labels;
-    for (const Cell& cell : patchwork.cells) {
-        mesh.faces.push_back({cell.vertex[0], cell.vertex[1], cell.vertex[2]});
-        labels.push_back(cell.label);
-    }
-    return measure(mesh, build_dual_graph(mesh), labels, patchwork.submesh_count());
+/// The mesh that a patchwork is, and its labels measured.
+inline Measures measures_of_level(const Patchwork& patchwork) {
+    const TriangleMesh mesh = mesh_of(patchwork);
+    return measure(mesh, build_dual_graph(mesh), labels_of(patchwork), patchwork.submesh_count());
 }
 
 } // namespace spheroseg::test

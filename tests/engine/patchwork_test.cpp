@@ -6,7 +6,6 @@
 #include "bisection.h"
 #include "boundary.h"
 #include "free_annealing.h"
-#include "linked_patchwork.h"
 #include "patchwork_meshes.h"
 #include "relaxation.h"
 
@@ -104,19 +103,12 @@ TEST(Patchwork, TheShorterOfTwoFansIsTheShorterOneOfThoseThatBothFacesDescribe) 
                 continue;
             }
             // The same vertex and edge, seen from the face across.
-            const Cell& cell = patchwork.cells[face];
-            const int vertex = cell.vertex[forward ? next_corner(corner) : corner];
-            const int far_vertex = cell.vertex[forward ? corner : next_corner(corner)];
-            const int across = cell.neighbor[corner];
-            const Cell& other_cell = patchwork.cells[across];
-            const int at = corner_of(other_cell, vertex);
-            const bool ends_at_vertex = other_cell.vertex[next_corner(at)] != far_vertex;
+            const int at = forward ? next_corner(corner) : corner;
+            const Step across = patchwork.step_from({face, at, corner});
+            const int side = corner_of(patchwork.cells[face].side[corner]);
             Fan other;
-            const bool has_other = describe_fan(patchwork,
-                                                across,
-                                                ends_at_vertex ? previous_corner(at) : at,
-                                                ends_at_vertex,
-                                                other);
+            const bool has_other =
+                describe_fan(patchwork, across.face, side, across.at != side, other);
             ASSERT_EQ(has_shorter, has_own || has_other);
             if (!has_shorter) {
                 continue;
@@ -176,41 +168,32 @@ TEST(Patchwork, EveryFaceThatComesToTheBoundaryIsListed) {
     }
 }
 
-TEST(Patchwork, LinkedCellsTellTheSameAsTheirPatchwork) {
+TEST(Patchwork, CellsKnowTheLabelsAcrossTheirSides) {
     for (const TriangleMesh& mesh :
          {flipped_sphere(2, 60), grid_with_holes(12), torus(9, 4), moebius_strip(30, 5)}) {
-        const Levels levels(mesh);
-        Patchwork patchwork = ragged_patchwork(levels, 12, 4);
-        LinkedPatchwork linked(patchwork, 2);
+        Patchwork patchwork = ragged_patchwork(Levels(mesh), 12, 4);
         Random random(5);
         for (int round = 0; round < 3; ++round) {
             for (int f = 0; f < patchwork.face_count(); ++f) {
-                EXPECT_EQ(linked.label(f), patchwork.label(f));
-                EXPECT_EQ(linked.weight(f), patchwork.weight(f));
                 for (int c = 0; c < 3; ++c) {
-                    EXPECT_EQ(linked.neighbor(f, c), patchwork.neighbor(f, c));
-                    EXPECT_EQ(linked.label_across(f, c), patchwork.label_across(f, c));
-                    for (int at : {c, next_corner(c)}) {
-                        if (patchwork.neighbor(f, c) >= 0) {
-                            const Step expected = patchwork.step_from({f, at, c});
-                            const Step found = linked.step_from({f, at, c});
-                            EXPECT_EQ(found.face, expected.face);
-                            EXPECT_EQ(found.at, expected.at);
-                            EXPECT_EQ(found.exit, expected.exit);
-                        }
-                    }
+                    const int other = patchwork.neighbor(f, c);
+                    EXPECT_EQ(patchwork.label_across(f, c),
+                              other < 0 ? kOpenBorder : patchwork.label(other));
                 }
             }
             for (int i = 0; i < patchwork.face_count(); ++i) {
                 const auto face = static_cast<int>(random.below(patchwork.face_count()));
                 const auto label = static_cast<int>(random.below(12));
-                linked.set_label(face, label);
-                patchwork.set_label(face, label);
+                if (round == 0) {
+                    patchwork.set_label(face, label);
+                } else {
+                    patchwork.set_own_label(face, label);
+                }
+            }
+            if (round > 0) {
+                patchwork.tell_neighbors(2);
             }
         }
-        Patchwork given = ragged_patchwork(levels, 12, 4);
-        linked.give_labels(given);
-        EXPECT_EQ(labels_of(given), labels_of(patchwork));
     }
 }
 
@@ -230,11 +213,11 @@ void expect_sound_levels(const Levels& levels) {
         EXPECT_EQ(weight, levels.mesh.face_count());
         EXPECT_EQ(recount, loads);
         EXPECT_EQ(patchwork.load, loads);
-        EXPECT_TRUE(is_sound(measures_of_level(patchwork, levels.mesh.vertex_count())));
+        EXPECT_TRUE(is_sound(measures_of_level(patchwork)));
         if (patchwork.face_count() == levels.mesh.face_count()) {
             break;
         }
-        levels.multilevel.uncoarsen(patchwork, patchwork.face_count() + 1);
+        levels.multilevel.uncoarsen(patchwork);
     }
 }
 
@@ -245,32 +228,122 @@ TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
     expect_sound_levels(Levels(torus(60, 20)));
 }
 
-void expect_input_as_finest_level(const Levels& levels) {
-    const Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 1);
-    std::vector<int> identity(levels.mesh.face_count());
+/// Where corner 0 of the cell is in the face that it is: faces may be turned.
+int turn_of(const Patchwork& named, int cell, const std::array<int, 3>& neighbors) {
+    for (int turn = 0; turn < 3; ++turn) {
+        bool fits = true;
+        for (int c = 0; c < 3; ++c) {
+            const int across = named.neighbor(cell, c);
+            fits = fits && neighbors[(c + turn) % 3] == (across < 0 ? -1 : named.label(across));
+        }
+        if (fits) {
+            return turn;
+        }
+    }
+    return -1;
+}
+
+/// Neighbours are those of the dual graph, and walks keep to their vertex.
+void expect_input_as_finest_level(const TriangleMesh& mesh,
+                                  const DualGraph& graph,
+                                  const Multilevel& multilevel) {
+    std::vector<int> identity(mesh.face_count());
     std::iota(identity.begin(), identity.end(), 0);
     // Labels carry the number of the face through the renumbering.
-    Patchwork numbered = patchwork;
-    numbered.load.assign(identity.size(), 0);
-    levels.multilevel.set_labels(numbered, identity);
-    EXPECT_EQ(levels.multilevel.labels(numbered), identity);
-    for (const Cell& cell : numbered.cells) {
-        const Triangle& triangle = levels.mesh.faces[cell.label];
-        const int turn = corner_of(cell, triangle[0]);
+    Patchwork named = multilevel.coarsen(mesh.face_count(), mesh.face_count());
+    multilevel.set_labels(named, identity);
+    EXPECT_EQ(multilevel.labels(named), identity);
+    std::vector<int> turns;
+    for (int i = 0; i < named.face_count(); ++i) {
+        turns.push_back(turn_of(named, i, graph.neighbors[named.label(i)]));
+        ASSERT_GE(turns.back(), 0);
+    }
+    const auto vertex = [&](int cell, int corner) {
+        return mesh.faces[named.label(cell)][(corner + turns[cell]) % 3];
+    };
+    for (int i = 0; i < named.face_count(); ++i) {
         for (int c = 0; c < 3; ++c) {
-            const int corner = (turn + c) % 3;
-            EXPECT_EQ(cell.vertex[corner], triangle[c]);
-            const int across = cell.neighbor[corner];
-            EXPECT_EQ(across < 0 ? -1 : numbered.cells[across].label,
-                      levels.graph.neighbors[cell.label][c]);
+            for (int at : {c, next_corner(c)}) {
+                if (named.neighbor(i, c) < 0) {
+                    continue;
+                }
+                const Step step = named.step_from({i, at, c});
+                EXPECT_EQ(step.face, named.neighbor(i, c));
+                EXPECT_EQ(vertex(step.face, step.at), vertex(i, at));
+                // The walk goes on across the other side at the vertex: one step back from there
+                // leads across the side that was taken.
+                const int other_side = step.exit == step.at ? previous_corner(step.at) : step.at;
+                const Step back = named.step_from({step.face, step.at, other_side});
+                EXPECT_EQ(back.face, i);
+                EXPECT_EQ(back.at, at);
+            }
         }
     }
 }
 
 TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
-    expect_input_as_finest_level(Levels(limbed_figure(3)));
-    expect_input_as_finest_level(Levels(open_grid(20)));
-    expect_input_as_finest_level(Levels(grid_with_holes(24)));
+    for (const TriangleMesh& mesh : {limbed_figure(3),
+                                     open_grid(20),
+                                     grid_with_holes(24),
+                                     torus(20, 10),
+                                     moebius_strip(40, 5),
+                                     icosahedron()}) {
+        const Levels levels(mesh);
+        expect_input_as_finest_level(mesh, levels.graph, levels.multilevel);
+        expect_input_as_finest_level(mesh, levels.graph, Multilevel(mesh, levels.graph));
+    }
+}
+
+TEST(Multilevel, WhatACellStandsForFollowsInTheOrderOfTheCells) {
+    const Levels levels(displaced_sphere(4));
+    std::vector<int> weights(levels.mesh.face_count());
+    Random random(7);
+    for (int& weight : weights) {
+        weight = 1 + static_cast<int>(random.below(9));
+    }
+    const Multilevel weighted = levels.multilevel.with_weights(weights);
+    EXPECT_EQ(weighted.total_weight(), std::accumulate(weights.begin(), weights.end(), 0));
+    for (const Multilevel& multilevel : {levels.multilevel, weighted}) {
+        for (int level = 1; level < multilevel.level_count(); ++level) {
+            Patchwork patchwork = multilevel.coarsen(levels.mesh.face_count() / (1 << level), 1);
+            const int count = patchwork.face_count();
+            patchwork.load.resize(count);
+            for (int i = 0; i < count; ++i) {
+                patchwork.set_label(i, i);
+                patchwork.load[i] = patchwork.weight(i);
+            }
+            const std::vector<int> loads = patchwork.load;
+            while (patchwork.face_count() < levels.mesh.face_count()) {
+                multilevel.uncoarsen(patchwork);
+                const std::vector<int> labels = labels_of(patchwork);
+                EXPECT_TRUE(std::is_sorted(labels.begin(), labels.end()));
+                sum_loads(patchwork);
+                EXPECT_EQ(patchwork.load, loads);
+            }
+        }
+    }
+}
+
+TEST(Multilevel, DoesNotDependOnThreads) {
+    const Levels levels(displaced_sphere(6)); // large enough for several threads
+    const int face_count = levels.mesh.face_count();
+    for (int threads : {2, 5}) {
+        const Multilevel other(levels.hierarchy, face_count, threads);
+        ASSERT_EQ(other.level_count(), levels.multilevel.level_count());
+        Patchwork expected = levels.multilevel.coarsen(1, 1);
+        Patchwork found = other.coarsen(1, 1, threads);
+        for (int level = 0; level < other.level_count(); ++level) {
+            ASSERT_EQ(found.face_count(), expected.face_count());
+            for (int f = 0; f < found.face_count(); ++f) {
+                EXPECT_TRUE(std::equal(
+                    found.cells[f].side, found.cells[f].side + 3, expected.cells[f].side));
+                EXPECT_EQ(found.weight(f), expected.weight(f));
+            }
+            levels.multilevel.uncoarsen(expected);
+            other.uncoarsen(found, threads);
+        }
+        EXPECT_EQ(found.face_count(), face_count);
+    }
 }
 
 std::vector<int> random_labels(int face_count, int submesh_count) {
@@ -537,25 +610,6 @@ TEST(Relaxation, DoesNotDependOnThreadsAndKeepsPiecesConnected) {
         }
         EXPECT_EQ(labels, reference) << threads << " threads";
     }
-}
-
-TEST(SortByLabel, IsAPermutationThatKeepsTheAdjacency) {
-    const Levels levels(displaced_sphere(3));
-    Patchwork patchwork = ragged_patchwork(levels, 9, 1);
-    SortedPatchwork sorted = sort_by_label(patchwork, 2);
-    EXPECT_TRUE(std::is_sorted(sorted.patchwork.cells.begin(),
-                               sorted.patchwork.cells.end(),
-                               [](const Cell& a, const Cell& b) { return a.label < b.label; }));
-    for (int i = 0; i < patchwork.face_count(); ++i) {
-        const Cell& original = patchwork.cells[sorted.order[i]];
-        for (int c = 0; c < 3; ++c) {
-            EXPECT_EQ(sorted.order[sorted.patchwork.cells[i].neighbor[c]], original.neighbor[c]);
-            EXPECT_EQ(sorted.patchwork.cells[i].vertex[c], original.vertex[c]);
-        }
-    }
-    const std::vector<int> labels = labels_of(patchwork);
-    take_labels(patchwork, sorted);
-    EXPECT_EQ(labels_of(patchwork), labels);
 }
 
 } // namespace

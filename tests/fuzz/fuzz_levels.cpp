@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fuzz_levels.h"
 
+#include "../engine/level_mesh.h"
 #include "bisection.h"
 #include "random.h"
 #include "recount.h"
@@ -13,31 +14,20 @@ namespace spheroseg::fuzz {
 
 namespace {
 
-TriangleMesh mesh_of(const Patchwork& patchwork) {
-    TriangleMesh mesh;
-    int vertex_count = 0;
-    for (const Cell& cell : patchwork.cells) {
-        const auto& v = cell.vertex;
-        mesh.faces.push_back({v[0], v[1], v[2]});
-        vertex_count = std::max({vertex_count, v[0] + 1, v[1] + 1, v[2] + 1});
-    }
-    mesh.positions.resize(static_cast<std::size_t>(vertex_count));
-    return mesh;
-}
-
-bool neighbors_share_edges(const Patchwork& patchwork, const Surface& surface) {
+bool neighbors_share_edges(const Patchwork& patchwork,
+                           const TriangleMesh& mesh,
+                           const Surface& surface) {
     std::size_t side_count = 0;
     for (int f = 0; f < patchwork.face_count(); ++f) {
-        for (int g : patchwork.cells[f].neighbor) {
+        for (int g : patchwork.neighbors(f)) {
             side_count += g >= 0;
         }
     }
     const auto refers = [&](int face, const int(&ends)[2], int other) {
-        const Cell& cell = patchwork.cells[face];
         for (int c = 0; c < 3; ++c) {
-            const int a = cell.vertex[c];
-            const int b = cell.vertex[next_corner(c)];
-            if (cell.neighbor[c] == other &&
+            const int a = mesh.faces[face][c];
+            const int b = mesh.faces[face][next_corner(c)];
+            if (patchwork.neighbor(face, c) == other &&
                 ((a == ends[0] && b == ends[1]) || (a == ends[1] && b == ends[0]))) {
                 return true;
             }
@@ -64,12 +54,13 @@ bool loads_add_up(const Patchwork& patchwork, int total_weight) {
         std::accumulate(loads.begin(), loads.end(), 0) == total_weight;
 }
 
-const char*
-find_fault(const Patchwork& patchwork, const Surface& surface, int total_weight, bool sound) {
+const char* find_fault(const Patchwork& patchwork, int total_weight, bool sound) {
+    const TriangleMesh mesh = test::mesh_of(patchwork);
+    const Surface surface(mesh);
     if (!surface.is_clean() || surface.component_sizes().size() != 1) {
         return "a level is one surface";
     }
-    if (!neighbors_share_edges(patchwork, surface)) {
+    if (!neighbors_share_edges(patchwork, mesh, surface)) {
         return "neighbours on a level share an edge";
     }
     if (!loads_add_up(patchwork, total_weight)) {
@@ -93,12 +84,12 @@ bool is_the_mesh(const PreparedMesh& prepared,
     if (patchwork.face_count() != component.face_count() || levels.labels(patchwork) != faces) {
         return false;
     }
-    for (const Cell& cell : patchwork.cells) {
+    for (int f = 0; f < patchwork.face_count(); ++f) {
         std::array<int, 3> expected =
-            prepared.dual_graph().neighbors[component.mesh_face(cell.label)];
-        std::array<int, 3> found;
-        std::transform(cell.neighbor, cell.neighbor + 3, found.begin(), [&](int g) {
-            return g < 0 ? g : component.mesh_face(patchwork.cells[g].label);
+            prepared.dual_graph().neighbors[component.mesh_face(patchwork.label(f))];
+        std::array<int, 3> found = patchwork.neighbors(f);
+        std::transform(found.begin(), found.end(), found.begin(), [&](int g) {
+            return g < 0 ? g : component.mesh_face(patchwork.label(g));
         });
         std::sort(expected.begin(), expected.end());
         std::sort(found.begin(), found.end());
@@ -120,8 +111,8 @@ void label(Patchwork& patchwork, Random& random) {
         bisect(patchwork, static_cast<int>(submesh_count), random.next(), 1);
         return;
     }
-    for (Cell& cell : patchwork.cells) {
-        cell.label = static_cast<int>(random.below(used));
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        patchwork.set_label(f, static_cast<int>(random.below(used)));
     }
 }
 
@@ -136,15 +127,14 @@ const char* find_bad_level(PreparedMesh& prepared, int seed, int thread_count) {
         const bool sound = repair(patchwork) == 0;
         const std::vector<int> loads = patchwork.load;
         for (;;) {
-            const TriangleMesh mesh = mesh_of(patchwork);
-            const char* fault = find_fault(patchwork, Surface(mesh), levels.total_weight(), sound);
+            const char* fault = find_fault(patchwork, levels.total_weight(), sound);
             if (fault || patchwork.load != loads) {
                 return fault ? fault : "loads stay the same on finer levels";
             }
             if (patchwork.face_count() >= component.face_count()) {
                 break;
             }
-            levels.uncoarsen(patchwork, 2 * patchwork.face_count());
+            levels.uncoarsen(patchwork, thread_count);
         }
         if (!is_the_mesh(prepared, component, levels, patchwork)) {
             return "the finest level is the mesh";
