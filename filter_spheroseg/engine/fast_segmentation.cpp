@@ -39,6 +39,9 @@ constexpr int kMaxTrials = 8;
 /// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
 /// or less in each ring decides.
 constexpr double kLeastExchanges = 40000.0;
+/// With so many per boundary edge they may begin hotter: these melt the boundaries, and then mend
+/// them better than they were.
+constexpr double kExchangesToMelt = 400.0;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -197,7 +200,7 @@ private:
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             if (*most - *least <= 1) {
-                anneal_balanced(patchwork, exchanges(), control(0.7, 1.0));
+                anneal_balanced(patchwork, exchanges(patchwork), control(0.7, 1.0));
             }
             keep_if_better(patchwork, true);
         }
@@ -364,9 +367,9 @@ private:
         set_balance(schedule, patchwork, 0.5, 10.0);
         anneal(patchwork, schedule, control(done, 0.7));
         if (by_weight()) {
-            balance_by_weight(patchwork, exchanges(), control(0.7, 1.0));
+            balance_by_weight(patchwork, exchanges(patchwork), control(0.7, 1.0));
         } else if (balance(patchwork)) {
-            anneal_balanced(patchwork, exchanges(), control(0.7, 1.0));
+            anneal_balanced(patchwork, exchanges(patchwork), control(0.7, 1.0));
         }
         result_.refinement_seconds += watch.elapsed_seconds();
     }
@@ -407,11 +410,13 @@ private:
         return balanced;
     }
 
-    AnnealSchedule exchanges() const {
+    AnnealSchedule exchanges(const Patchwork& patchwork) const {
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_ + 2000;
-        schedule.temperature_begin = 0.25;
+        const double most_edges = kLeastExchanges / kExchangesToMelt;
+        schedule.temperature_begin =
+            count_boundary_edges(patchwork, options_.thread_count) < most_edges ? 0.5 : 0.25;
         schedule.temperature_end = 0.08;
         schedule.proposals_per_face =
             is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;
