@@ -28,6 +28,21 @@ void check_labels(const DualGraph& dual_graph, const std::vector<int>& labels, i
     }
 }
 
+constexpr int kNoLabel = -1;
+constexpr int kSeveralLabels = -2;
+
+/// The label of all faces of each vertex, if there is one.
+std::vector<int> labels_of_vertices(const TriangleMesh& mesh, const std::vector<int>& labels) {
+    std::vector<int> label_of(mesh.positions.size(), kNoLabel);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int v : mesh.faces[f]) {
+            const bool fits = label_of[v] == kNoLabel || label_of[v] == labels[f];
+            label_of[v] = fits ? labels[f] : kSeveralLabels;
+        }
+    }
+    return label_of;
+}
+
 /// Per sub-mesh: its fans over all vertices, and its vertices. Each fan of the mesh counts as a
 /// vertex of its own, so that a pinch of the input is no bowtie.
 struct FanCounts {
@@ -38,16 +53,27 @@ struct FanCounts {
 FanCounts count_fans(const TriangleMesh& mesh,
                      const DualGraph& dual_graph,
                      const std::vector<int>& labels,
-                     int submesh_count) {
+                     int submesh_count,
+                     VertexFanCount fans_per_vertex) {
+    const bool walks_everywhere = fans_per_vertex == VertexFanCount::unknown;
+    const std::vector<int> label_of_vertex =
+        walks_everywhere ? std::vector<int>() : labels_of_vertices(mesh, labels);
     FanCounts counts;
     counts.fans.assign(submesh_count, 0);
-    counts.vertices.assign(submesh_count, 0);
+    for (int label : label_of_vertex) {
+        if (label >= 0) {
+            ++counts.fans[label];
+        }
+    }
+    counts.vertices = counts.fans;
     VertexFans fans(mesh, dual_graph);
     VertexFans::Fan fan;
     std::vector<int> last_fan(submesh_count, -1);
     const int corner_count = 3 * mesh.face_count();
     for (int corner = 0; corner < corner_count; ++corner) {
-        if (!fans.collect(corner, fan)) {
+        const int vertex = mesh.faces[corner / 3][corner % 3];
+        const bool walks = walks_everywhere || label_of_vertex[vertex] == kSeveralLabels;
+        if (!walks || !fans.collect(corner, fan)) {
             continue;
         }
         // Corners side by side with one label are one fan of that sub-mesh.
@@ -148,7 +174,8 @@ Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,
                  int submesh_count,
-                 int thread_count) {
+                 int thread_count,
+                 VertexFanCount fans_per_vertex) {
     check_labels(dual_graph, labels, submesh_count);
     Measures result;
     result.submesh_count = submesh_count;
@@ -170,7 +197,8 @@ Measures measure(const TriangleMesh& mesh,
 #pragma omp parallel sections num_threads(threads)
     {
 #pragma omp section
-        failure.guard([&] { fans = count_fans(mesh, dual_graph, labels, submesh_count); });
+        failure.guard(
+            [&] { fans = count_fans(mesh, dual_graph, labels, submesh_count, fans_per_vertex); });
 #pragma omp section
         failure.guard([&] {
             edges = count_edges(dual_graph, labels, submesh_count);

@@ -28,6 +28,10 @@ struct Measures {
     }
 };
 
+/// What is known of the fans of faces that the dual graph joins around each vertex. One per vertex,
+/// as in a manifold mesh (see MeshReport), saves walking around those inside a sub-mesh.
+enum class VertexFanCount { unknown, one };
+
 /// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k), on up to two threads.
 /// Edges and neighbours are those of the dual graph; an empty sub-mesh is neither disconnected nor
 /// a disk. Throws InvalidInput when the sizes differ or a label is out of range.
@@ -35,7 +39,8 @@ Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,
                  int submesh_count,
-                 int thread_count = 0);
+                 int thread_count = 0,
+                 VertexFanCount fans_per_vertex = VertexFanCount::unknown);
 
 /// `boundary_edge_count` alone.
 int count_boundary_edges(const DualGraph& dual_graph, const std::vector<int>& labels);

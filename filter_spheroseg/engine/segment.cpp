@@ -281,8 +281,12 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
         segment_all_pairs(mesh, options, deadline, rising, result);
         break;
     }
-    result.measures =
-        measure(mesh.mesh(), mesh.dual_graph(), result.labels, submesh_count, options.thread_count);
+    result.measures = measure(mesh.mesh(),
+                              mesh.dual_graph(),
+                              result.labels,
+                              submesh_count,
+                              options.thread_count,
+                              mesh.report().fans_per_vertex());
     result.balance = options.balance;
     result.weight_imbalance = options.balance == Balance::weight
         ? weight_imbalance(weights_of(options, mesh.mesh()), result.labels, submesh_count)

@@ -357,6 +357,13 @@ bool MeshReport::is_closed_genus_zero() const {
         genus == 0;
 }
 
+VertexFanCount MeshReport::fans_per_vertex() const {
+    // Fans that meet at an edge with more than two faces count as one there.
+    return non_manifold_vertex_count + non_manifold_edge_count + degenerate_face_count == 0
+        ? VertexFanCount::one
+        : VertexFanCount::unknown;
+}
+
 MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count) {
     return Inspection(mesh, dual_graph).run(thread_count);
 }

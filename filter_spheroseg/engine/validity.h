@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dual_graph.h"
+#include "measures.h"
 
 #include <string>
 
@@ -43,6 +44,8 @@ struct MeshReport {
     int genus = -1;
 
     bool is_closed_genus_zero() const;
+    /// What `measure` may know of the mesh.
+    VertexFanCount fans_per_vertex() const;
 };
 
 /// Examines a mesh in O(F log F), on up to two threads. Its vertex indices must be in range, as

@@ -4,6 +4,7 @@
 #include "errors.h"
 #include "random.h"
 #include "test_meshes.h"
+#include "validity.h"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,14 @@ using namespace test;
 
 Measures measure_labels(const TriangleMesh& mesh, const std::vector<int>& labels, int k) {
     return measure(mesh, build_dual_graph(mesh), labels, k);
+}
+
+void expect_same(const Measures& found, const Measures& expected) {
+    EXPECT_EQ(found.boundary_edge_count, expected.boundary_edge_count);
+    EXPECT_EQ(found.bowtie_count, expected.bowtie_count);
+    EXPECT_EQ(found.disconnected_submesh_count, expected.disconnected_submesh_count);
+    EXPECT_EQ(found.disk_count, expected.disk_count);
+    EXPECT_EQ(found.submesh_triangles, expected.submesh_triangles);
 }
 
 /// Number of classes of `items` under the relation given by `related`, by repeated relabelling.
@@ -199,8 +208,8 @@ TEST(Measures, AnEmptySubmeshCountsInTheBalanceButIsNeitherDiskNorDisconnected) 
     EXPECT_FALSE(m.is_valid());
 }
 
-TEST(Measures, APinchOfTheInputIsNoBowtieButALostPieceIsMeasured) {
-    // Two tetrahedra that share vertex 0; of the second one only two faces have label 0.
+/// They share vertex 0.
+TriangleMesh two_tetrahedra_at_a_vertex() {
     TriangleMesh mesh = tetrahedron();
     const TriangleMesh second = tetrahedron();
     for (int v = 1; v < 4; ++v) {
@@ -212,6 +221,12 @@ TEST(Measures, APinchOfTheInputIsNoBowtieButALostPieceIsMeasured) {
         }
         mesh.faces.push_back(face);
     }
+    return mesh;
+}
+
+TEST(Measures, APinchOfTheInputIsNoBowtieButALostPieceIsMeasured) {
+    // Of the second one only two faces have label 0.
+    const TriangleMesh mesh = two_tetrahedra_at_a_vertex();
     const Measures m = measure_labels(mesh, {0, 0, 0, 0, 0, 0, 1, 1}, 2);
     EXPECT_EQ(m.bowtie_count, 0);
     EXPECT_EQ(m.disconnected_submesh_count, 1);
@@ -279,6 +294,33 @@ TEST(Measures, AgreeWithARecountOnCoherentLabels) {
         EXPECT_EQ(m.disconnected_submesh_count, expected.disconnected);
         EXPECT_EQ(m.disk_count, expected.disks);
     }
+}
+
+TEST(Measures, AreTheSameWhereOneFanPerVertexIsKnown) {
+    std::vector<TriangleMesh> meshes = {torus(9, 4), grid_with_holes(12), moebius_strip(30, 5)};
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        meshes.push_back(mesh);
+    }
+    for (const TriangleMesh& mesh : meshes) {
+        const DualGraph graph = build_dual_graph(mesh);
+        ASSERT_EQ(inspect(mesh, graph).fans_per_vertex(), VertexFanCount::one);
+        for (int k : {1, 2, 7}) {
+            Random random(k);
+            std::vector<int> scattered(mesh.face_count());
+            std::generate(scattered.begin(), scattered.end(), [&] { return random.below(k); });
+            std::vector<int> in_rows(mesh.face_count());
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                in_rows[f] = static_cast<int>(std::int64_t{k} * f / mesh.face_count());
+            }
+            for (const std::vector<int>& labels : {scattered, in_rows}) {
+                expect_same(measure(mesh, graph, labels, k, 1, VertexFanCount::one),
+                            measure(mesh, graph, labels, k, 1));
+            }
+        }
+    }
+    const TriangleMesh pinched = two_tetrahedra_at_a_vertex();
+    EXPECT_EQ(inspect(pinched, build_dual_graph(pinched)).fans_per_vertex(),
+              VertexFanCount::unknown);
 }
 
 } // namespace
