@@ -170,12 +170,12 @@ anneal_group(const AnnealArrays& arrays, const spheroseg::Phase& phase, const Lo
     atomicAdd(arrays.change, static_cast<unsigned long long>(change));
 }
 
-__global__ void __launch_bounds__(kAnnealThreads)
+__global__ void __launch_bounds__(kAnnealThreads, 1)
     anneal_groups(AnnealArrays arrays, spheroseg::Phase phase, FreeLoads loads) {
     anneal_group(arrays, phase, loads);
 }
 
-__global__ void __launch_bounds__(kAnnealThreads)
+__global__ void __launch_bounds__(kAnnealThreads, 1)
     exchange_groups(AnnealArrays arrays, spheroseg::Phase phase, BoundedLoads loads) {
     anneal_group(arrays, phase, loads);
 }
