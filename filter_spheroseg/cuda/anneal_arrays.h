@@ -7,7 +7,7 @@ namespace spheroseg::cuda {
 
 /// What the kernels of the annealing read and write. All pointers are those of the device.
 struct AnnealArrays {
-    const Cell* cells; // their labels are not used
+    const Cell* cells; // the labels in them are not used
     int* labels;
     unsigned char* listed; // per face
     int* loads;            // per label

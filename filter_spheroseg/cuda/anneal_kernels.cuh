@@ -170,6 +170,7 @@ anneal_group(const AnnealArrays& arrays, const spheroseg::Phase& phase, const Lo
     atomicAdd(arrays.change, static_cast<unsigned long long>(change));
 }
 
+// The 1 allows more than the 128 registers that nvcc chooses for so few threads: no spills.
 __global__ void __launch_bounds__(kAnnealThreads, 1)
     anneal_groups(AnnealArrays arrays, spheroseg::Phase phase, FreeLoads loads) {
     anneal_group(arrays, phase, loads);

@@ -181,7 +181,7 @@ private:
         const int face_count = patchwork.face_count();
 #pragma omp parallel for schedule(static) num_threads(threads_)
         for (int f = 0; f < face_count; ++f) {
-            patchwork.cells[f].label = host_labels_[f];
+            patchwork.set_own_label(f, host_labels_[f]);
         }
         patchwork.tell_neighbors(threads_);
         for (int l = 0; l < patchwork.submesh_count(); ++l) {

@@ -199,7 +199,7 @@ void run_phases(Patchwork& patchwork,
             std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
         phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
 
-        grouping.regroup(patchwork, patchwork.load, boundary, phase.seed, schedule.thread_count);
+        grouping.regroup(patchwork, boundary, phase.seed, schedule.thread_count);
         edges += run(phase, loads_of(p), grouping, boundary);
         grouping.collect(patchwork.load, boundary);
         if (control.boundary_edges) {

@@ -3,6 +3,8 @@
 
 #include "patchwork.h"
 
+#include <cstdint>
+
 namespace spheroseg {
 
 /// Labels the cells by recursive level-set bisection of their dual graph: each part of the graph

@@ -98,12 +98,11 @@ std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) 
 }
 
 void Grouping::regroup(const Patchwork& patchwork,
-                       const std::vector<int>& loads,
                        BoundaryFaces& boundary,
                        std::uint64_t seed,
                        int thread_count) {
     const int group_count = draw_groups(patchwork, boundary, seed);
-    place_loads(loads, group_count);
+    place_loads(patchwork.load, group_count);
     place_faces(patchwork, boundary, group_count, thread_count);
 }
 

@@ -59,9 +59,7 @@ struct SubmeshGraph {
 class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
-    /// `loads` has one entry per label.
     void regroup(const Patchwork& patchwork,
-                 const std::vector<int>& loads,
                  BoundaryFaces& boundary,
                  std::uint64_t seed,
                  int thread_count);

@@ -3,6 +3,8 @@
 
 #include "patchwork.h"
 
+#include <cstdint>
+
 namespace spheroseg {
 
 /// Finds what a face takes with it when it passes to another sub-mesh and may not pass alone: where

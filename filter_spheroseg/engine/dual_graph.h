@@ -14,6 +14,10 @@ struct DualGraph {
     int face_count() const { return static_cast<int>(neighbors.size()); }
 };
 
+/// What is known of the fans of faces that the dual graph joins around each vertex. One per vertex,
+/// as in a manifold mesh (see MeshReport), saves walking around those inside a sub-mesh.
+enum class VertexFanCount { unknown, one };
+
 /// Builds the dual graph in O(F), in parallel. Two faces are joined across an edge when it has no
 /// third one, however they are oriented; of an edge with more faces no pair is joined (-1).
 /// Throws InvalidInput when a vertex index is out of range. The result does not depend on the

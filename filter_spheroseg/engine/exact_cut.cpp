@@ -26,8 +26,8 @@ public:
           random_(static_cast<std::uint64_t>(search)), seen_(patchwork.cells.size(), 0) {}
 
     bool run() {
-        for (Cell& cell : patchwork_.cells) {
-            cell.label = kFree;
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            patchwork_.set_own_label(f, kFree);
         }
         patchwork_.tell_neighbors();
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);

@@ -39,9 +39,9 @@ constexpr int kMaxTrials = 8;
 /// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
 /// or less in each ring decides.
 constexpr double kLeastExchanges = 40000.0;
-/// With so many per boundary edge they may begin hotter: these melt the boundaries, and then mend
-/// them better than they were.
-constexpr double kExchangesToMelt = 400.0;
+/// So few boundary edges that these may begin hotter: they melt the boundaries, and then mend them
+/// better than they were.
+constexpr int kEdgesToMelt = 100;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -414,9 +414,8 @@ private:
         AnnealSchedule schedule;
         schedule.thread_count = options_.thread_count;
         schedule.seed = seed_ + 2000;
-        const double most_edges = kLeastExchanges / kExchangesToMelt;
         schedule.temperature_begin =
-            count_boundary_edges(patchwork, options_.thread_count) < most_edges ? 0.5 : 0.25;
+            count_boundary_edges(patchwork, options_.thread_count) < kEdgesToMelt ? 0.5 : 0.25;
         schedule.temperature_end = 0.08;
         schedule.proposals_per_face =
             is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;

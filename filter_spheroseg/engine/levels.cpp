@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "levels.h"
 
-#include "errors.h"
 #include "threads.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
-#include <string>
 
 namespace spheroseg {
 
@@ -16,14 +15,6 @@ namespace {
 constexpr int kClusterFaces = 256;
 /// Steps of a round that are worth a thread.
 constexpr int kStepsPerThread = 1024;
-
-void check_count(std::size_t face_count) {
-    if (face_count > static_cast<std::size_t>(kMaxFaces)) {
-        throw InvalidInput("The mesh has " + std::to_string(face_count) +
-                           " triangles, but method \"fast\" takes at most " +
-                           std::to_string(kMaxFaces) + ". Simplify it, or part it first.");
-    }
-}
 
 /// A triangle and its neighbours: neighbor[c] lies across the edge from vertex[c] to the next one.
 struct LinkedTriangle {
@@ -46,8 +37,7 @@ std::array<NeighborSide, 3> sides_of(const LinkedTriangle& triangle,
             const int begin = other.corner(triangle.vertex[c]);
             const int end = other.corner(triangle.vertex[next_corner(c)]);
             const bool turned = next_corner(end) != begin;
-            sides[c] =
-                place[neighbor] << 3 | (turned ? begin : end) << 1 | static_cast<int>(turned);
+            sides[c] = make_side(place[neighbor], turned ? begin : end, turned);
         }
     }
     return sides;
@@ -387,20 +377,18 @@ private:
 
 } // namespace
 
-int Level::first_cell(int finest) const {
+int Level::first_cell_from(int finest) const {
     return begin.empty()
         ? finest
         : static_cast<int>(std::lower_bound(begin.begin(), begin.end(), finest) - begin.begin());
 }
 
 MeshLevels build_levels(const CollapseHierarchy& hierarchy, int face_count, int thread_count) {
-    check_count(static_cast<std::size_t>(face_count));
     return LevelBuilder(hierarchy, face_count, thread_count).build();
 }
 
 MeshLevels
 build_finest_level(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count) {
-    check_count(mesh.faces.size());
     MeshLevels result;
     result.face_at = order_by_clusters(dual_graph);
     result.levels.resize(1);

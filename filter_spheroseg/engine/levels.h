@@ -18,16 +18,16 @@ struct Level {
 
     int cell_count() const { return static_cast<int>(sides.size()); }
     int begin_of(int cell) const { return begin.empty() ? cell : begin[cell]; }
-    /// The first cell that stands for cell `finest` of the finest level or a later one.
-    int first_cell(int finest) const;
+    /// The first cell that stands for none before cell `finest` of the finest level.
+    int first_cell_from(int finest) const;
 };
 
 /// Versions of a mesh from fine to coarse. Cells that lie side by side have numbers near each
 /// other, so that caches hold what is worked on together, and the cells that one of a coarser level
 /// stands for follow one another, in the order of the cells there.
 struct MeshLevels {
-    /// Each level but the coarsest one has at least this share of the cells of the next finer one,
-    /// and few more.
+    /// Each level has at least this share of the cells of the next finer one, and few more, as far
+    /// as single rounds of the hierarchy allow; the coarsest one may have nearly as many.
     static constexpr double kLeastShare = 0.4;
 
     /// The face of the mesh that each cell of the finest level is.
@@ -36,9 +36,9 @@ struct MeshLevels {
     std::vector<Level> levels;
 };
 
-/// Undoes the collapses of a hierarchy of a mesh with `face_count` faces, and keeps some of the
-/// meshes on the way. O(F), parallel; the result does not depend on the number of threads. Throws
-/// InvalidInput for more than kMaxFaces faces.
+/// Undoes the collapses of a hierarchy of a mesh with `face_count` faces, at most kMaxCells, and
+/// keeps some of the meshes on the way. O(F), of which numbering is serial; the result does not
+/// depend on the number of threads.
 MeshLevels build_levels(const CollapseHierarchy& hierarchy, int face_count, int thread_count);
 
 /// The finest level only.

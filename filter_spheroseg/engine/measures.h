@@ -28,10 +28,6 @@ struct Measures {
     }
 };
 
-/// What is known of the fans of faces that the dual graph joins around each vertex. One per vertex,
-/// as in a manifold mesh (see MeshReport), saves walking around those inside a sub-mesh.
-enum class VertexFanCount { unknown, one };
-
 /// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k), on up to two threads.
 /// Edges and neighbours are those of the dual graph; an empty sub-mesh is neither disconnected nor
 /// a disk. Throws InvalidInput when the sizes differ or a label is out of range.

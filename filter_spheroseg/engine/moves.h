@@ -17,7 +17,8 @@ constexpr int kOpenBorder = -2;
 /// from `corner` of `face` to its next corner; turned: both faces run over the edge in the same
 /// direction, as on a Moebius strip. Negative on an open border.
 using NeighborSide = int;
-constexpr int kMaxFaces = 1 << 28;
+/// More cells than that have no room in it.
+constexpr int kMaxCells = 1 << 28;
 
 SPHEROSEG_INNER int face_of(NeighborSide side) {
     return side >> 3;
@@ -27,6 +28,9 @@ SPHEROSEG_INNER int corner_of(NeighborSide side) {
 }
 SPHEROSEG_INNER bool is_turned(NeighborSide side) {
     return (side & 1) != 0;
+}
+inline NeighborSide make_side(int face, int corner, bool turned) {
+    return face << 3 | corner << 1 | static_cast<int>(turned);
 }
 
 /// A face with its label and what lies across its sides, as the refinement sees it. Side c runs

@@ -44,7 +44,15 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_
     patchwork.cells.resize(level->cell_count());
     patchwork.load.assign(submesh_count, 0);
     patchwork.load[0] = total_weight();
-    fill(patchwork, *level, 0, level->cell_count(), 0);
+    const int threads = threads_for(thread_count, level->cell_count(), kFacesPerThread);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int t = 0; t < threads; ++t) {
+        fill(patchwork,
+             *level,
+             share_begin(t, threads, level->cell_count()),
+             share_begin(t + 1, threads, level->cell_count()),
+             0);
+    }
     patchwork.tell_neighbors(thread_count);
     return patchwork;
 }
@@ -55,7 +63,7 @@ void Multilevel::fill(
     for (int i = first; i < end; ++i) {
         Cell& cell = patchwork.cells[i];
         std::copy(level.sides[i].begin(), level.sides[i].end(), cell.side);
-        cell.label = label;
+        patchwork.set_own_label(i, label);
         cell.weight = weight_before(level.begin_of(i + 1)) - weight_before(level.begin_of(i));
     }
 }
@@ -73,9 +81,9 @@ void Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
     for (int t = 0; t < threads; ++t) {
         const int end = share_begin(t + 1, threads, level.cell_count());
         int i = share_begin(t, threads, level.cell_count());
-        for (int cell = finer.first_cell(level.begin[i]); i < end; ++i) {
+        for (int cell = finer.first_cell_from(level.begin[i]); i < end; ++i) {
             const int first = cell;
-            while (cell < finer.cell_count() && finer.begin_of(cell) < level.begin[i + 1]) {
+            while (finer.begin_of(cell) < level.begin[i + 1]) {
                 ++cell;
             }
             fill(patchwork, finer, first, cell, labels[i]);
@@ -95,10 +103,10 @@ std::vector<int> Multilevel::labels(const Patchwork& patchwork) const {
 void Multilevel::set_labels(Patchwork& patchwork, const std::vector<int>& labels) const {
     std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
     for (std::size_t i = 0; i < labels.size(); ++i) {
-        Cell& cell = patchwork.cells[i];
-        cell.label = labels[levels_->face_at[i]];
-        if (cell.label >= 0) {
-            patchwork.load[cell.label] += cell.weight;
+        const int label = labels[levels_->face_at[i]];
+        patchwork.set_own_label(static_cast<int>(i), label);
+        if (label >= 0) {
+            patchwork.load[label] += patchwork.cells[i].weight;
         }
     }
     patchwork.tell_neighbors();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "dual_graph.h"
 #include "moves.h"
 
 #include <array>
@@ -16,6 +15,8 @@ namespace spheroseg {
 /// between labels A and B is allowed depends only on which faces are in A or in B, so that the
 /// result does not depend on what other threads do. Labels are read and written as relaxed atomics.
 struct Patchwork {
+    /// What a cell tells of the labels across its sides is kept in step: labels are changed by
+    /// set_label, or by set_own_label and then tell_neighbors.
     std::vector<Cell> cells;
     std::vector<int> load;
     /// Sub-meshes may close around a limb. That makes short boundaries, but no move opens a ring

@@ -301,12 +301,11 @@ private:
         std::fill(worker.load.begin(), worker.load.end(), 0);
         const int end = begin_of(w + 1, patchwork_.face_count());
         for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
-            Cell& cell = patchwork_.cells[f];
             const Key key = keys_[f].load(std::memory_order_relaxed);
             if (key != kUnreached) {
-                cell.label = label_of(key);
+                patchwork_.set_own_label(f, label_of(key));
             }
-            worker.load[cell.label] += cell.weight;
+            worker.load[patchwork_.label(f)] += patchwork_.weight(f);
         }
     }
 

@@ -48,8 +48,8 @@ private:
                 seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
             }
         }
-        for (Cell& cell : patchwork_.cells) {
-            cell.label = candidate(cell.label);
+        for (int f = 0; f < face_count; ++f) {
+            patchwork_.set_own_label(f, candidate(patchwork_.label(f)));
         }
         patchwork_.tell_neighbors();
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
@@ -61,8 +61,8 @@ private:
                 take(faces[i], l);
             }
         }
-        for (Cell& cell : patchwork_.cells) {
-            cell.label = std::max(cell.label, -1);
+        for (int f = 0; f < face_count; ++f) {
+            patchwork_.set_own_label(f, std::max(patchwork_.label(f), -1));
         }
         patchwork_.tell_neighbors();
     }

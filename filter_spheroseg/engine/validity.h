@@ -2,7 +2,6 @@
 #pragma once
 
 #include "dual_graph.h"
-#include "measures.h"
 
 #include <string>
 

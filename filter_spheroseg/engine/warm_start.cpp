@@ -106,8 +106,8 @@ void spread_labels(Patchwork& patchwork) {
             }
         }
     }
-    for (Cell& cell : patchwork.cells) {
-        cell.label = std::max(cell.label, 0);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        patchwork.set_own_label(f, std::max(patchwork.label(f), 0));
     }
     patchwork.tell_neighbors();
     sum_loads(patchwork);
@@ -127,7 +127,7 @@ void part_submesh(Patchwork& patchwork,
         Cell cell = patchwork.cells[f];
         for (NeighborSide& side : cell.side) {
             const int at = side < 0 ? -1 : place[face_of(side)];
-            side = at < 0 ? -1 : at << 3 | (side & 7);
+            side = at < 0 ? -1 : make_side(at, corner_of(side), is_turned(side));
         }
         part.cells.push_back(cell);
     }
@@ -151,8 +151,9 @@ void share_anew(Patchwork& patchwork, std::uint64_t seed) {
     }
     std::vector<int> place(patchwork.face_count(), -1);
     int next_free = 0;
-    for (Cell& cell : patchwork.cells) {
-        cell.label = shares[cell.label] > 0 ? cell.label : -1;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        const int label = patchwork.label(f);
+        patchwork.set_own_label(f, shares[label] > 0 ? label : -1);
     }
     for (int l = 0; l < submesh_count; ++l) {
         if (shares[l] < 2) {

@@ -2,6 +2,7 @@
 #include "hierarchy.h"
 
 #include "errors.h"
+#include "replay.h"
 #include "test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -17,62 +18,6 @@ namespace {
 CollapseHierarchy hierarchy_of(const TriangleMesh& mesh, int thread_count = 2) {
     return build_hierarchy(mesh, build_dual_graph(mesh, 1), thread_count);
 }
-
-/// A small mesh that is undone step by step: the faces that live now, by input index.
-class Replay {
-public:
-    Replay(const CollapseHierarchy& hierarchy, int face_count)
-        : hierarchy_(hierarchy), faces_(face_count, kNone) {
-        for (std::size_t i = 0; i < hierarchy.base_faces.size(); ++i) {
-            faces_[hierarchy.base_faces[i]] = hierarchy.base_triangles[i];
-        }
-    }
-
-    const std::vector<Triangle>& faces() const { return faces_; }
-
-    /// Undoes step i; fails the test where the faces are not what the step says it left.
-    void undo(int i) {
-        const int begin = hierarchy_.star_begin[i];
-        const int degree = hierarchy_.star_begin[i + 1] - begin;
-        const auto ring = [&](int j) { return hierarchy_.ring_vertices[begin + j % degree]; };
-        ASSERT_GE(degree, 3);
-        ASSERT_EQ(ring(0), hierarchy_.target[i]);
-        for (int j = 0; j < degree; ++j) {
-            const int f = hierarchy_.star_faces[begin + j];
-            if (f >= static_cast<int>(faces_.size())) {
-                continue; // of a cap
-            }
-            const bool vanished = j == 0 || j == degree - 1;
-            const Triangle expected =
-                vanished ? kNone : Triangle{hierarchy_.target[i], ring(j), ring(j + 1)};
-            ASSERT_EQ(rotated(faces_[f]), rotated(expected)) << "step " << i << ", face " << f;
-            faces_[f] = {hierarchy_.vertex[i], ring(j), ring(j + 1)};
-        }
-    }
-
-    /// The living faces, closed up: empty ones left out.
-    TriangleMesh living_mesh(int vertex_count) const {
-        TriangleMesh mesh;
-        mesh.positions.resize(vertex_count);
-        for (const Triangle& t : faces_) {
-            if (t != kNone) {
-                mesh.faces.push_back(t);
-            }
-        }
-        return mesh;
-    }
-
-    static Triangle rotated(const Triangle& t) {
-        const int first = static_cast<int>(std::min_element(t.begin(), t.end()) - t.begin());
-        return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
-    }
-
-private:
-    static constexpr Triangle kNone = {-1, -1, -1};
-
-    const CollapseHierarchy& hierarchy_;
-    std::vector<Triangle> faces_;
-};
 
 /// What collapses must not change, counted: Euler characteristic and border loops. Fails the test
 /// where a vertex has more than one gap or two edges join the same vertices.
@@ -143,20 +88,20 @@ TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
 TEST_P(HierarchyOfEachMesh, UndoneBackwardsGivesTheInputFaces) {
     const TriangleMesh& mesh = GetParam().mesh;
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
-    Replay replay(hierarchy, mesh.face_count());
+    test::Replay replay(hierarchy, mesh.face_count());
     for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
         replay.undo(i);
         ASSERT_FALSE(HasFatalFailure());
     }
     for (int f = 0; f < mesh.face_count(); ++f) {
-        EXPECT_EQ(Replay::rotated(replay.faces()[f]), Replay::rotated(mesh.faces[f]));
+        EXPECT_EQ(test::Replay::rotated(replay.faces()[f]), test::Replay::rotated(mesh.faces[f]));
     }
 }
 
 TEST_P(HierarchyOfEachMesh, IsASphereAfterEveryRound) {
     const TriangleMesh& mesh = GetParam().mesh;
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
-    Replay replay(hierarchy, mesh.face_count());
+    test::Replay replay(hierarchy, mesh.face_count());
     for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
         expect_closed_surface(replay.living_mesh(mesh.vertex_count()));
         for (int i = hierarchy.round_begin[r + 1] - 1; i >= hierarchy.round_begin[r]; --i) {
@@ -243,7 +188,7 @@ TEST(Hierarchy, ShortensBordersAndKeepsHoles) {
         }
         const Topology expected = topology_of(mesh);
         EXPECT_EQ(expected.euler, 2 - expected.loops);
-        Replay replay(hierarchy, mesh.face_count());
+        test::Replay replay(hierarchy, mesh.face_count());
         EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), 12 * expected.loops);
         for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
             const Topology coarse = topology_of(replay.living_mesh(mesh.vertex_count()));
@@ -254,7 +199,8 @@ TEST(Hierarchy, ShortensBordersAndKeepsHoles) {
             }
         }
         for (int f = 0; f < mesh.face_count(); ++f) {
-            EXPECT_EQ(Replay::rotated(replay.faces()[f]), Replay::rotated(mesh.faces[f]));
+            EXPECT_EQ(test::Replay::rotated(replay.faces()[f]),
+                      test::Replay::rotated(mesh.faces[f]));
         }
     }
 }
@@ -269,7 +215,7 @@ TEST(Hierarchy, KeepsBordersThatTouchThemselves) {
 TEST(Hierarchy, StopsOnATorusUnderTheLinkCondition) {
     const TriangleMesh mesh = test::torus(24, 16);
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
-    Replay replay(hierarchy, mesh.face_count());
+    test::Replay replay(hierarchy, mesh.face_count());
     const TriangleMesh base = replay.living_mesh(mesh.vertex_count());
     EXPECT_LT(base.face_count(), 40);
     EXPECT_GE(base.face_count(), 14) << "no torus has fewer faces";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patchwork.h"
+#include "types.h"
 
 namespace spheroseg::test {
 

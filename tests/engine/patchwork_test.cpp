@@ -5,9 +5,12 @@
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "exact_cut.h"
 #include "free_annealing.h"
 #include "patchwork_meshes.h"
 #include "relaxation.h"
+#include "replay.h"
+#include "warm_start.h"
 
 #include <gtest/gtest.h>
 
@@ -168,32 +171,64 @@ TEST(Patchwork, EveryFaceThatComesToTheBoundaryIsListed) {
     }
 }
 
-TEST(Patchwork, CellsKnowTheLabelsAcrossTheirSides) {
-    for (const TriangleMesh& mesh :
-         {flipped_sphere(2, 60), grid_with_holes(12), torus(9, 4), moebius_strip(30, 5)}) {
-        Patchwork patchwork = ragged_patchwork(Levels(mesh), 12, 4);
-        Random random(5);
-        for (int round = 0; round < 3; ++round) {
-            for (int f = 0; f < patchwork.face_count(); ++f) {
-                for (int c = 0; c < 3; ++c) {
-                    const int other = patchwork.neighbor(f, c);
-                    EXPECT_EQ(patchwork.label_across(f, c),
-                              other < 0 ? kOpenBorder : patchwork.label(other));
-                }
-            }
-            for (int i = 0; i < patchwork.face_count(); ++i) {
-                const auto face = static_cast<int>(random.below(patchwork.face_count()));
-                const auto label = static_cast<int>(random.below(12));
-                if (round == 0) {
-                    patchwork.set_label(face, label);
-                } else {
-                    patchwork.set_own_label(face, label);
-                }
-            }
-            if (round > 0) {
-                patchwork.tell_neighbors(2);
-            }
+AnnealSchedule schedule_of(double proposals, int thread_count) {
+    AnnealSchedule schedule;
+    schedule.proposals_per_face = proposals;
+    schedule.phase_count = 8;
+    schedule.thread_count = thread_count;
+    schedule.seed = 5;
+    return schedule;
+}
+
+/// Cells know the labels across their sides.
+void expect_in_step(const Patchwork& patchwork) {
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            const int other = patchwork.neighbor(f, c);
+            ASSERT_EQ(patchwork.label_across(f, c),
+                      other < 0 ? kOpenBorder : patchwork.label(other));
         }
+    }
+}
+
+TEST(Patchwork, CellsKnowTheLabelsAcrossTheirSidesWhateverChangesThem) {
+    for (const TriangleMesh& mesh :
+         {flipped_sphere(3, 60), grid_with_holes(12), torus(20, 10), moebius_strip(60, 5)}) {
+        const Levels levels(mesh);
+        Random random(5);
+        Patchwork patchwork = levels.multilevel.coarsen(100, 12);
+        expect_in_step(patchwork);
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            patchwork.set_label(f, static_cast<int>(random.below(12)));
+        }
+        expect_in_step(patchwork);
+        repair(patchwork);
+        expect_in_step(patchwork);
+        levels.multilevel.uncoarsen(patchwork);
+        expect_in_step(patchwork);
+        adopt_labels(patchwork, 1);
+        expect_in_step(patchwork);
+        bisect(patchwork, 12, 1, 1);
+        expect_in_step(patchwork);
+        relax(patchwork, 3, 1, {});
+        expect_in_step(patchwork);
+        repair(patchwork);
+        anneal(patchwork, schedule_of(20, 2), {});
+        expect_in_step(patchwork);
+        cut_exactly(patchwork, 1, patchwork.face_count(), 1000);
+        expect_in_step(patchwork);
+    }
+}
+
+TEST(Patchwork, CellsAreToldByAnyNumberOfThreads) {
+    Patchwork patchwork = Levels(open_grid(180)).multilevel.coarsen(64800, 12);
+    Random random(5);
+    for (int threads : {1, 3}) {
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            patchwork.set_own_label(f, static_cast<int>(random.below(12)));
+        }
+        patchwork.tell_neighbors(threads);
+        expect_in_step(patchwork);
     }
 }
 
@@ -243,16 +278,11 @@ int turn_of(const Patchwork& named, int cell, const std::array<int, 3>& neighbor
     return -1;
 }
 
-/// Neighbours are those of the dual graph, and walks keep to their vertex.
-void expect_input_as_finest_level(const TriangleMesh& mesh,
-                                  const DualGraph& graph,
-                                  const Multilevel& multilevel) {
-    std::vector<int> identity(mesh.face_count());
-    std::iota(identity.begin(), identity.end(), 0);
-    // Labels carry the number of the face through the renumbering.
-    Patchwork named = multilevel.coarsen(mesh.face_count(), mesh.face_count());
-    multilevel.set_labels(named, identity);
-    EXPECT_EQ(multilevel.labels(named), identity);
+/// A patchwork whose labels name the faces of a mesh has the neighbours of its dual graph, and
+/// walks keep to their vertex.
+void expect_linked_like(const TriangleMesh& mesh, const Patchwork& named) {
+    const DualGraph graph = build_dual_graph(mesh, 1);
+    ASSERT_EQ(named.face_count(), mesh.face_count());
     std::vector<int> turns;
     for (int i = 0; i < named.face_count(); ++i) {
         turns.push_back(turn_of(named, i, graph.neighbors[named.label(i)]));
@@ -268,20 +298,30 @@ void expect_input_as_finest_level(const TriangleMesh& mesh,
                     continue;
                 }
                 const Step step = named.step_from({i, at, c});
-                EXPECT_EQ(step.face, named.neighbor(i, c));
-                EXPECT_EQ(vertex(step.face, step.at), vertex(i, at));
+                ASSERT_EQ(step.face, named.neighbor(i, c));
+                ASSERT_EQ(vertex(step.face, step.at), vertex(i, at));
                 // The walk goes on across the other side at the vertex: one step back from there
                 // leads across the side that was taken.
                 const int other_side = step.exit == step.at ? previous_corner(step.at) : step.at;
                 const Step back = named.step_from({step.face, step.at, other_side});
-                EXPECT_EQ(back.face, i);
-                EXPECT_EQ(back.at, at);
+                ASSERT_EQ(back.face, i);
+                ASSERT_EQ(back.at, at);
             }
         }
     }
 }
 
-TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
+/// The finest level, labelled by the faces that the cells are.
+Patchwork named_finest(const TriangleMesh& mesh, const Multilevel& multilevel) {
+    std::vector<int> faces(mesh.face_count());
+    std::iota(faces.begin(), faces.end(), 0);
+    Patchwork named = multilevel.coarsen(mesh.face_count(), mesh.face_count());
+    multilevel.set_labels(named, faces);
+    EXPECT_EQ(multilevel.labels(named), faces);
+    return named;
+}
+
+TEST(Multilevel, EveryLevelIsTheMeshThatTheCollapsesLeave) {
     for (const TriangleMesh& mesh : {limbed_figure(3),
                                      open_grid(20),
                                      grid_with_holes(24),
@@ -289,8 +329,39 @@ TEST(Multilevel, TheFinestLevelIsTheInputMesh) {
                                      moebius_strip(40, 5),
                                      icosahedron()}) {
         const Levels levels(mesh);
-        expect_input_as_finest_level(mesh, levels.graph, levels.multilevel);
-        expect_input_as_finest_level(mesh, levels.graph, Multilevel(mesh, levels.graph));
+        expect_linked_like(mesh, named_finest(mesh, Multilevel(mesh, levels.graph)));
+        const Patchwork finest = named_finest(mesh, levels.multilevel);
+        Replay replay(levels.hierarchy, mesh.face_count());
+        int step = levels.hierarchy.step_count();
+        int level_count = 0;
+        for (int count = 0; count < mesh.face_count(); ++level_count) {
+            // A cell is the first one of those that it stands for.
+            Patchwork level = levels.multilevel.coarsen(count + 1, 1);
+            count = level.face_count();
+            Patchwork spread = level;
+            for (int i = 0; i < count; ++i) {
+                spread.set_label(i, i);
+            }
+            while (spread.face_count() < mesh.face_count()) {
+                levels.multilevel.uncoarsen(spread);
+            }
+            TriangleMesh left = replay.living_mesh(mesh.vertex_count());
+            while (left.face_count() < count) {
+                ASSERT_NO_FATAL_FAILURE(replay.undo(--step));
+                left = replay.living_mesh(mesh.vertex_count());
+            }
+            ASSERT_EQ(left.face_count(), count);
+            std::vector<int> place(mesh.face_count(), -1);
+            int living = 0;
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                place[f] = replay.lives(f) ? living++ : -1;
+            }
+            for (int i = mesh.face_count() - 1; i >= 0; --i) {
+                level.set_label(spread.label(i), place[finest.label(i)]);
+            }
+            ASSERT_NO_FATAL_FAILURE(expect_linked_like(left, level));
+        }
+        EXPECT_EQ(level_count, levels.multilevel.level_count());
     }
 }
 
@@ -304,11 +375,11 @@ TEST(Multilevel, WhatACellStandsForFollowsInTheOrderOfTheCells) {
     const Multilevel weighted = levels.multilevel.with_weights(weights);
     EXPECT_EQ(weighted.total_weight(), std::accumulate(weights.begin(), weights.end(), 0));
     for (const Multilevel& multilevel : {levels.multilevel, weighted}) {
+        Patchwork next = multilevel.coarsen(1, 1);
         for (int level = 1; level < multilevel.level_count(); ++level) {
-            Patchwork patchwork = multilevel.coarsen(levels.mesh.face_count() / (1 << level), 1);
-            const int count = patchwork.face_count();
-            patchwork.load.resize(count);
-            for (int i = 0; i < count; ++i) {
+            Patchwork patchwork = next;
+            patchwork.load.resize(patchwork.cells.size());
+            for (int i = 0; i < patchwork.face_count(); ++i) {
                 patchwork.set_label(i, i);
                 patchwork.load[i] = patchwork.weight(i);
             }
@@ -320,29 +391,34 @@ TEST(Multilevel, WhatACellStandsForFollowsInTheOrderOfTheCells) {
                 sum_loads(patchwork);
                 EXPECT_EQ(patchwork.load, loads);
             }
+            multilevel.uncoarsen(next);
         }
+        EXPECT_EQ(next.face_count(), levels.mesh.face_count());
     }
 }
 
 TEST(Multilevel, DoesNotDependOnThreads) {
-    const Levels levels(displaced_sphere(6)); // large enough for several threads
-    const int face_count = levels.mesh.face_count();
-    for (int threads : {2, 5}) {
-        const Multilevel other(levels.hierarchy, face_count, threads);
-        ASSERT_EQ(other.level_count(), levels.multilevel.level_count());
-        Patchwork expected = levels.multilevel.coarsen(1, 1);
-        Patchwork found = other.coarsen(1, 1, threads);
-        for (int level = 0; level < other.level_count(); ++level) {
-            ASSERT_EQ(found.face_count(), expected.face_count());
-            for (int f = 0; f < found.face_count(); ++f) {
-                EXPECT_TRUE(std::equal(
-                    found.cells[f].side, found.cells[f].side + 3, expected.cells[f].side));
-                EXPECT_EQ(found.weight(f), expected.weight(f));
+    // Large enough for several threads.
+    for (const TriangleMesh& mesh : {displaced_sphere(6), open_grid(180), moebius_strip(600, 40)}) {
+        const Levels levels(mesh);
+        for (int threads : {2, 5}) {
+            const Multilevel other(levels.hierarchy, mesh.face_count(), threads);
+            ASSERT_EQ(other.level_count(), levels.multilevel.level_count());
+            Patchwork expected = levels.multilevel.coarsen(1, 1);
+            Patchwork found = other.coarsen(1, 1, threads);
+            for (int level = 0; level < other.level_count(); ++level) {
+                ASSERT_EQ(found.face_count(), expected.face_count());
+                for (int f = 0; f < found.face_count(); ++f) {
+                    ASSERT_TRUE(std::equal(
+                        found.cells[f].side, found.cells[f].side + 3, expected.cells[f].side));
+                    ASSERT_EQ(found.weight(f), expected.weight(f));
+                }
+                levels.multilevel.uncoarsen(expected);
+                other.uncoarsen(found, threads);
             }
-            levels.multilevel.uncoarsen(expected);
-            other.uncoarsen(found, threads);
+            EXPECT_EQ(labels_of(named_finest(mesh, other)),
+                      labels_of(named_finest(mesh, levels.multilevel)));
         }
-        EXPECT_EQ(found.face_count(), face_count);
     }
 }
 
@@ -461,15 +537,6 @@ TEST(Patchwork, ExactBalanceOfTwoOrThreeFacesEachNeedsNoAnnealing) {
             EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
         }
     }
-}
-
-AnnealSchedule schedule_of(double proposals, int thread_count) {
-    AnnealSchedule schedule;
-    schedule.proposals_per_face = proposals;
-    schedule.phase_count = 8;
-    schedule.thread_count = thread_count;
-    schedule.seed = 5;
-    return schedule;
 }
 
 TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {

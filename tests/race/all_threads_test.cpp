@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every parallel region of the engine on a mesh that is large enough for it: in a build with the
 // thread sanitizer (preset "thread") this finds races, in any build differences.
+#include "bisection.h"
+#include "multilevel.h"
+#include "relaxation.h"
 #include "segment.h"
 
 #include "../engine/test_meshes.h"
@@ -53,6 +56,18 @@ TEST(AllThreads, FastFromTheSphere) {
     options.effort = Effort::high;
     options.max_refinement_iterations = 1;
     expect_same_labels(options);
+}
+
+TEST(AllThreads, RelaxationOfManyFaces) {
+    const TriangleMesh mesh = limbed_figure(6, 2.0); // 81,920 faces, enough for two threads
+    const DualGraph dual_graph = build_dual_graph(mesh, kThreads);
+    const Multilevel finest(mesh, dual_graph, kThreads);
+    Patchwork alone = finest.coarsen(mesh.face_count(), 300, kThreads);
+    bisect(alone, 300, 1, kThreads);
+    Patchwork together = alone;
+    relax(alone, 2, 1, {});
+    relax(together, 2, kThreads, {});
+    EXPECT_EQ(labels_of(together), labels_of(alone));
 }
 
 TEST(AllThreads, AllPairs) {
