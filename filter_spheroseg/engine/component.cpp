@@ -49,8 +49,12 @@ const CollapseHierarchy& Component::hierarchy(int thread_count, const Progress& 
 }
 
 const Multilevel& Component::multilevel(int thread_count, const Progress& progress) {
-    if (!multilevel_) {
-        multilevel_.emplace(hierarchy(thread_count, progress), face_count(), thread_count);
+    if (!multilevel_ && hierarchy_) {
+        multilevel_.emplace(*hierarchy_, face_count(), thread_count);
+    } else if (!multilevel_) {
+        multilevel_.emplace(build_hierarchy(*mesh_, *dual_graph_, thread_count, progress),
+                            face_count(),
+                            thread_count);
     }
     return *multilevel_;
 }

@@ -67,15 +67,13 @@ public:
         const Deadline watch;
         prepare_levels(sub_progress(progress_, 0, 0.2));
         result_.parametrization_seconds += watch.elapsed_seconds();
-        const int wanted_starts =
-            options_.effort == Effort::high && task_.initial_labels.empty() ? kHighStarts : 1;
         consider_input();
         for (int start = 0; start < kMaxStarts; ++start) {
-            const double share = 1.0 / std::max(wanted_starts, start + 1);
+            const double share = 1.0 / std::max(wanted_starts(), start + 1);
             start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             const bool is_tried = start == 0 && trial_count() > 1;
-            Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start, wanted_starts);
+            Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start);
             refine_levels(patchwork, is_tried);
             const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
             if (valid && start > 0 && !task_.initial_labels.empty()) {
@@ -83,7 +81,7 @@ public:
             }
             any_valid_ = any_valid_ || valid;
             // Even out of time an invalid result is worth another start.
-            const bool enough = any_valid_ && start + 1 >= wanted_starts;
+            const bool enough = any_valid_ && start + 1 >= wanted_starts();
             if (enough || (deadline_.expired() && (any_valid_ || start > 0))) {
                 break;
             }
@@ -99,7 +97,19 @@ public:
 private:
     bool by_weight() const { return !task_.weights.empty(); }
 
+    int wanted_starts() const {
+        return options_.effort == Effort::high && task_.initial_labels.empty() ? kHighStarts : 1;
+    }
+
+    /// Is the second start one on the sphere?
+    bool starts_on_sphere() const {
+        return whole_ && wanted_starts() > 1 && !by_weight() && submesh_count_ >= kManySubmeshes;
+    }
+
     void prepare_levels(const Progress& progress) {
+        if (starts_on_sphere() && coarsens()) {
+            component_.hierarchy(options_.thread_count, progress); // the map needs it too
+        }
         multilevel_ = coarsens() ? &component_.multilevel(options_.thread_count, progress)
                                  : &component_.finest_level(options_.thread_count);
         if (by_weight()) {
@@ -173,16 +183,15 @@ private:
 
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
-    Patchwork first_labels(int start, int wanted_starts) {
+    Patchwork first_labels(int start) {
         is_warm_ = start == 0 && !task_.initial_labels.empty();
         if (is_warm_) {
             Patchwork patchwork = input_labels();
             forced_faces_ = adopt_labels(patchwork, seed_);
             return patchwork;
         }
-        const bool on_sphere = whole_ && start == 1 && wanted_starts > 1 && !by_weight() &&
-            submesh_count_ >= kManySubmeshes;
-        Patchwork patchwork = on_sphere ? sphere_start() : graph_start(start);
+        Patchwork patchwork =
+            start == 1 && starts_on_sphere() ? sphere_start() : graph_start(start);
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
         patchwork.may_close_rings = start == 0 || any_valid_;
         forced_faces_ = repair(patchwork);
