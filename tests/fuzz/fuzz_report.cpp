@@ -70,6 +70,10 @@ void count(Outcome outcome) {
     ++Statistics::get().counts[static_cast<std::size_t>(outcome)];
 }
 
+int counted(Outcome outcome) {
+    return static_cast<int>(Statistics::get().counts[static_cast<std::size_t>(outcome)]);
+}
+
 void note_missed(const char* how,
                  const FuzzCase& one,
                  const Recount& recount,

@@ -25,6 +25,7 @@ enum class Outcome {
 
 /// Counted over the process; with SPHEROSEG_FUZZ_STATISTICS=FILE appended to FILE at its end.
 void count(Outcome outcome);
+int counted(Outcome outcome);
 
 /// With SPHEROSEG_FUZZ_MISSED=FILE the case is described there.
 void note_missed(const char* how,
