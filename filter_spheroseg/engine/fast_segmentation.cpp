@@ -134,15 +134,13 @@ private:
         if (labels.empty() || *std::min_element(labels.begin(), labels.end()) < 0) {
             return;
         }
-        Patchwork patchwork = input_labels();
+        Patchwork patchwork = finest_with(task_.initial_labels);
         const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
         if (std::find(sound.begin(), sound.end(), 0) == sound.end() &&
             (by_weight() || is_balanced(patchwork))) {
             keep_if_better(patchwork, true);
         }
     }
-
-    Patchwork input_labels() const { return finest_with(task_.initial_labels); }
 
     Patchwork level_with(int least_face_count) const {
         return multilevel_->coarsen(least_face_count, submesh_count_, options_.thread_count);
@@ -186,7 +184,7 @@ private:
     Patchwork first_labels(int start) {
         is_warm_ = start == 0 && !task_.initial_labels.empty();
         if (is_warm_) {
-            Patchwork patchwork = input_labels();
+            Patchwork patchwork = finest_with(task_.initial_labels);
             forced_faces_ = adopt_labels(patchwork, seed_);
             return patchwork;
         }

@@ -42,11 +42,7 @@ public:
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
           offsets_(patchwork.submesh_count(), 0.0), inside_(patchwork.cells.size() + 1),
           keys_(patchwork.cells.size() + 1) {
-        double total = 0.0;
-        for (int load : patchwork.load) {
-            total += load;
-        }
-        mean_load_ = total / patchwork.submesh_count();
+        mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
             std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
