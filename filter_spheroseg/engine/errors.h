@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <charconv>
 #include <new>
 #include <stdexcept>
+#include <string>
 
 namespace spheroseg {
 
 // Every message says what was expected, what was found (with index and value), and what to do.
+
+/// The shortest text that reads back as `value`, whatever the locale.
+inline std::string to_text(double value) {
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof(text), value).ptr};
+}
 
 /// The mesh can not be processed.
 struct InvalidInput : std::invalid_argument {

@@ -22,8 +22,8 @@ constexpr int kFacesPerDefaultSubmesh = 10;
 
 void refuse_negative(double value, const char* name) {
     if (!(value >= 0.0)) {
-        throw InvalidOptions(std::string(name) + " must be 0 or more, found " +
-                             std::to_string(value) + ". Use 0 for the default.");
+        throw InvalidOptions(std::string(name) + " must be 0 or more, found " + to_text(value) +
+                             ". Use 0 for the default.");
     }
 }
 
@@ -258,8 +258,7 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     const int submesh_count = requested_submesh_count(options, face_count);
     if (submesh_count < 1 || submesh_count > face_count) {
         throw InvalidOptions("submesh_count must lie in [1, " + std::to_string(face_count) +
-                             "] (the mesh has " + std::to_string(face_count) + " faces), found " +
-                             std::to_string(submesh_count) +
+                             "] (faces of the mesh), found " + std::to_string(submesh_count) +
                              ". Ask for fewer sub-meshes, or set triangles_per_submesh.");
     }
     if (options.method == Method::fast && submesh_count < mesh.report().component_count) {

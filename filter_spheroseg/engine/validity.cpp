@@ -385,7 +385,9 @@ std::string surface_error(const MeshReport& report) {
     const std::string dirt = describe_dirt(report);
     return dirt.empty()
         ? dirt
-        : "Expected triangles that meet along edges of two faces at most; found " + dirt;
+        : "Expected triangles with finite corners that meet along edges of two faces at most; "
+          "found " +
+            dirt;
 }
 
 std::string too_many_components_error(const MeshReport& report, int submesh_count) {

@@ -174,7 +174,7 @@ TEST(Segment, BadOptionsAreErrorsAndALaterCallWorks) {
     expect_error<InvalidOptions>(prepared, options, "triangles_per_submesh");
     options = all_pairs_options(2);
     options.thread_count = -1;
-    expect_error<InvalidOptions>(prepared, options, "thread_count");
+    expect_error<InvalidOptions>(prepared, options, "thread_count must be 0 or more, found -1.");
     options = all_pairs_options(2);
     options.max_cohesion_iterations = -1;
     expect_error<InvalidOptions>(prepared, options, "max_cohesion_iterations");
