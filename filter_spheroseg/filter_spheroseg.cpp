@@ -34,7 +34,7 @@ void require_closed_genus_zero(const PreparedMesh& prepared) {
 }
 
 /// MeshLab handles its user's input while progress is reported. So a filter may be called while
-/// another one runs, which is refused, and the mesh may be gone when it has finished.
+/// another one runs, which is refused, and the mesh may be gone or changed when it has finished.
 class ExclusiveRun {
 public:
     explicit ExclusiveRun(std::atomic<bool>& running) : running_(running) {
@@ -50,10 +50,12 @@ private:
     std::atomic<bool>& running_;
 };
 
-MeshModel& still_the_same(MeshDocument& document, int mesh_id, const HostMesh& host) {
+MeshModel& still_the_same(MeshDocument& document,
+                          int mesh_id,
+                          const HostMesh& host,
+                          const PreparedMesh& prepared) {
     MeshModel* model = document.getMesh(mesh_id);
-    if (!model || model->cm.vn != static_cast<int>(host.vertex_index.size()) ||
-        model->cm.fn != static_cast<int>(host.face_index.size())) {
+    if (!model || !has_same_elements(model->cm, host, prepared.mesh().faces)) {
         throw InvalidInput("The mesh was removed or changed while the filter ran. Nothing was "
                            "written; apply the filter again.");
     }
@@ -227,7 +229,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
                                 segmentation.measures.submesh_count);
     }
 
-    MeshModel& model = still_the_same(document, mesh_id, host);
+    MeshModel& model = still_the_same(document, mesh_id, host, prepared);
     model.updateDataMask(MeshModel::MM_FACEQUALITY);
     write_labels(model.cm, host, segmentation.labels);
     post_condition_mask = MeshModel::MM_FACEQUALITY;
@@ -257,7 +259,7 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
         rounded_to_host(prepared.parametrization(0, progress).positions);
     const ParametrizationQuality quality = measure_parametrization(prepared.mesh(), positions);
 
-    MeshModel& model = still_the_same(document, mesh_id, host);
+    MeshModel& model = still_the_same(document, mesh_id, host, prepared);
     write_sphere_positions(model.cm, host, positions);
     if (parameters.getBool("new_layer")) {
         add_sphere_layer(document, model, host, positions);

@@ -56,6 +56,14 @@ HostMesh read_mesh(const CMeshO& host) {
     return adapted;
 }
 
+bool has_same_elements(const CMeshO& host,
+                       const HostMesh& adapted,
+                       const std::vector<Triangle>& faces) {
+    const HostMesh now = read_mesh(host);
+    return now.vertex_index == adapted.vertex_index && now.face_index == adapted.face_index &&
+        now.mesh.faces == faces;
+}
+
 std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted) {
     if (!vcg::tri::HasPerFaceQuality(host)) {
         throw InvalidInput("Labels are expected in the face quality, but the mesh has none. Run a "
@@ -68,8 +76,7 @@ std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted) {
         if (!(quality >= 0.0 && quality < kLabelLimit && quality == std::floor(quality))) {
             throw InvalidInput("Labels are expected as whole numbers from 0 to 16777215 in the "
                                "face quality, but face " +
-                               std::to_string(adapted.face_index[i]) + " has " +
-                               std::to_string(quality) +
+                               std::to_string(adapted.face_index[i]) + " has " + to_text(quality) +
                                ". Run a segmentation first, or correct the face quality.");
         }
         labels[i] = static_cast<int>(quality);

@@ -23,6 +23,13 @@ struct HostMesh {
 
 HostMesh read_mesh(const CMeshO& host);
 
+/// True when the host still has all elements where they were when `adapted` was read from it, and
+/// no others, and its faces the same vertices. `faces`: adapted.mesh.faces, which may have been
+/// moved from.
+bool has_same_elements(const CMeshO& host,
+                       const HostMesh& adapted,
+                       const std::vector<Triangle>& faces);
+
 /// Labels in face quality. Throws InvalidInput when the mesh has no face quality, or when a value
 /// is not a whole number in [0, 2^24): a single precision host holds no larger ones exactly.
 std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted);

@@ -47,6 +47,21 @@ TEST(ReadMesh, AFaceAtADeletedVertexGetsAnIndexThatTheEngineRejects) {
     EXPECT_EQ(read_mesh(host).mesh.faces[1], (Triangle{0, 1, -1}));
 }
 
+TEST(SameElements, AreNoLongerThereAfterCompactingOrAFlip) {
+    CMeshO host = make_tetrahedron_with_deleted_elements();
+    HostMesh adapted = read_mesh(host);
+    const std::vector<Triangle> faces = std::move(adapted.mesh.faces);
+    EXPECT_TRUE(has_same_elements(host, adapted, faces));
+    host.vert[1].P() = Point3m(0, 0, -1);
+    EXPECT_TRUE(has_same_elements(host, adapted, faces)) << "only a position changed";
+
+    std::swap(host.face[1].V(0), host.face[1].V(1));
+    EXPECT_FALSE(has_same_elements(host, adapted, faces)) << "a face has other corners";
+    std::swap(host.face[1].V(0), host.face[1].V(1));
+    Allocator::CompactEveryVector(host);
+    EXPECT_FALSE(has_same_elements(host, adapted, faces)) << "all elements lie elsewhere";
+}
+
 TEST(Labels, GoToTheLivingFacesAndComeBack) {
     CMeshO host = make_tetrahedron_with_deleted_elements();
     host.face[0].Q() = -7;
@@ -68,6 +83,20 @@ TEST(Labels, ErrorsNameTheFaceOfTheHost) {
         FAIL() << "1.5 was accepted as a label";
     } catch (const InvalidInput& error) {
         EXPECT_NE(std::string(error.what()).find("face 3 has 1.5"), std::string::npos);
+    }
+}
+
+TEST(Labels, ErrorsShowValuesThatAreNearlyWhole) {
+    CMeshO host = make_tetrahedron_with_deleted_elements();
+    const HostMesh adapted = read_mesh(host);
+    write_labels(host, adapted, {0, 0, 0, 0});
+    host.face[2].Q() = Scalarm(1e-9);
+    try {
+        read_labels(host, adapted);
+        FAIL() << "1e-9 was accepted as a label";
+    } catch (const InvalidInput& error) {
+        EXPECT_NE(std::string(error.what()).find("face 2 has 1e-09"), std::string::npos)
+            << error.what();
     }
 }
 
