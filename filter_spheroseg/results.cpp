@@ -108,11 +108,14 @@ std::string shortcomings(const Segmentation& segmentation) {
             separator = ", ";
         }
     };
-    add(segmentation.balance == Balance::triangle_count &&
-            measures.max_triangle_count_difference >
-                std::max(1, segmentation.best_max_triangle_count_difference),
-        measures.max_triangle_count_difference,
-        " triangles between the largest and the smallest sub-mesh");
+    const int difference = measures.max_triangle_count_difference;
+    const int best = segmentation.best_max_triangle_count_difference;
+    add(segmentation.balance == Balance::triangle_count && difference > 1,
+        difference,
+        difference > best
+            ? " triangles between the largest and the smallest sub-mesh"
+            : " triangles between the largest and the smallest sub-mesh, the fewest that its "
+              "components allow");
     add(measures.disconnected_submesh_count > 0,
         measures.disconnected_submesh_count,
         " sub-meshes in more than one piece");

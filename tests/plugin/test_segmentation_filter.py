@@ -250,3 +250,22 @@ def test_labels_do_not_depend_on_the_coordinates(sample, method):
         labels.append(labels_of(mesh_set))
     assert np.array_equal(labels[0], labels[1])
     assert np.array_equal(labels[0], labels[2])
+
+
+def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(capfd):
+    """Components of 512 and 32 triangles in three sub-meshes: 256, 256 and 32 is the best."""
+    large, small = subdivided_sphere(3), subdivided_sphere(1)
+    vertices = np.concatenate([large[0], small[0] + 5.0])
+    faces = np.concatenate([large[1], small[1] + len(large[0])])
+    mesh_set = document(vertices, faces)
+    mesh_set.set_verbosity(True)
+    result = mesh_set.apply_filter(SEGMENTATION, submesh_count=3)
+    assert result["max_triangle_count_difference"] == 224
+    assert result["best_max_triangle_count_difference"] == 224
+    output = capfd.readouterr()
+    assert "The result has 224 triangles between the largest and the smallest" in (
+        output.out + output.err
+    )
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=17)
+    output = capfd.readouterr()
+    assert "The result has" not in output.out + output.err
