@@ -67,7 +67,9 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
         }
     }
     const int threads = threads_for(thread_count, vertex_count, kVerticesPerTask);
-#pragma omp parallel for schedule(dynamic, kVerticesPerTask) num_threads(threads)
+    int edge_count = 0;
+#pragma omp parallel for schedule(dynamic, kVerticesPerTask) num_threads(threads)                  \
+    reduction(+ : edge_count)
     for (int v = 0; v < vertex_count; ++v) {
         const auto begin = sides.begin() + bucket_begin[v];
         const auto end = sides.begin() + bucket_begin[v + 1];
@@ -79,6 +81,7 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
             while (run_end != end && run_end->other_vertex == run->other_vertex) {
                 ++run_end;
             }
+            ++edge_count;
             if (run_end - run == 2) {
                 const int f = run[0].side / 3;
                 const int g = run[1].side / 3;
@@ -92,6 +95,7 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
             run = run_end;
         }
     }
+    graph.edge_count = edge_count;
     return graph;
 }
 

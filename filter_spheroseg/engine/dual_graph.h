@@ -10,6 +10,8 @@ namespace spheroseg {
 /// of face f, or -1 on an open border.
 struct DualGraph {
     std::vector<std::array<int, 3>> neighbors;
+    /// Edges of the mesh, each counted once, however many faces meet there.
+    int edge_count = 0;
 
     int face_count() const { return static_cast<int>(neighbors.size()); }
 };

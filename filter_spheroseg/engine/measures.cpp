@@ -124,31 +124,27 @@ count_components(const DualGraph& dual_graph, const std::vector<int>& labels, in
     return components;
 }
 
-/// Sides of the faces of each sub-mesh that lead to a face of the same sub-mesh, and the mesh's
-/// edges by kind.
+/// Sides of the faces of each sub-mesh that lead to a face of the same sub-mesh, and the edges
+/// between sub-meshes.
 struct EdgeCounts {
     std::vector<int> inner_sides;
     int boundary_edges = 0;
-    int edges = 0;
 };
 
 EdgeCounts
 count_edges(const DualGraph& dual_graph, const std::vector<int>& labels, int submesh_count) {
     EdgeCounts counts;
     counts.inner_sides.assign(submesh_count, 0);
-    int joined_sides = 0;
     int boundary_sides = 0;
     for (int f = 0; f < dual_graph.face_count(); ++f) {
         for (int g : dual_graph.neighbors[f]) {
             if (g >= 0) {
-                ++joined_sides;
                 boundary_sides += labels[f] != labels[g];
                 counts.inner_sides[labels[f]] += labels[f] == labels[g];
             }
         }
     }
     counts.boundary_edges = boundary_sides / 2;
-    counts.edges = 3 * dual_graph.face_count() - joined_sides / 2;
     return counts;
 }
 
@@ -207,8 +203,9 @@ Measures measure(const TriangleMesh& mesh,
     }
     failure.rethrow();
     result.boundary_edge_count = edges.boundary_edges;
-    if (edges.edges > 0) {
-        result.boundary_edge_ratio = static_cast<double>(edges.boundary_edges) / edges.edges;
+    if (dual_graph.edge_count > 0) {
+        result.boundary_edge_ratio =
+            static_cast<double>(edges.boundary_edges) / dual_graph.edge_count;
     }
     for (int s = 0; s < submesh_count; ++s) {
         const int bowties = fans.fans[s] - fans.vertices[s];

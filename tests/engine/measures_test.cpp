@@ -199,6 +199,18 @@ TEST(Measures, OpenBorderEdgesDoNotCountAsBoundaryEdges) {
     EXPECT_EQ(split.disk_count, 2);
 }
 
+TEST(Measures, AnEdgeWithThreeFacesIsOneEdgeOfTheMesh) {
+    TriangleMesh mesh = tetrahedron();
+    const Triangle first = mesh.faces[0];
+    mesh.faces.push_back({first[0], first[1], mesh.vertex_count()});
+    mesh.positions.push_back({2, 2, 2});
+    // Face 0 touches three others; across one of its edges lie two faces, and none is its
+    // neighbour.
+    const Measures m = measure_labels(mesh, {0, 1, 1, 1, 1}, 2);
+    EXPECT_EQ(m.boundary_edge_count, 2);
+    EXPECT_DOUBLE_EQ(m.boundary_edge_ratio, 2.0 / 8.0);
+}
+
 TEST(Measures, AnEmptySubmeshCountsInTheBalanceButIsNeitherDiskNorDisconnected) {
     const Measures m = measure_labels(tetrahedron(), {0, 0, 2, 2}, 3);
     EXPECT_EQ(m.min_submesh_triangles, 0);
