@@ -2,6 +2,7 @@
 #include "initial_labels.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -57,30 +58,33 @@ std::vector<ComponentLabels> share_labels(const std::vector<Component>& componen
     }
     std::vector<std::vector<int>> kept =
         kept_labels(components, submesh_counts, submesh_count, labels);
-    std::vector<int> number_of(submesh_count, -1);
+    std::vector<std::uint8_t> is_kept(submesh_count, 0);
     for (std::vector<int>& names : kept) {
         std::sort(names.begin(), names.end());
         for (int name : names) {
-            number_of[name] = 0;
+            is_kept[name] = 1;
         }
     }
     std::vector<int> free_names;
     for (int l = 0; l < submesh_count; ++l) {
-        if (number_of[l] < 0) {
+        if (!is_kept[l]) {
             free_names.push_back(l);
         }
     }
+    std::vector<int> number_of(submesh_count, -1);
     std::size_t next_free = 0;
     std::vector<ComponentLabels> shared(components.size());
     for (std::size_t i = 0; i < components.size(); ++i) {
         ComponentLabels& part = shared[i];
         part.names = std::move(kept[i]);
-        std::fill(number_of.begin(), number_of.end(), -1);
         for (std::size_t number = 0; number < part.names.size(); ++number) {
             number_of[part.names[number]] = static_cast<int>(number);
         }
         for (int f = 0; f < components[i].face_count(); ++f) {
             part.labels.push_back(number_of[labels[components[i].mesh_face(f)]]);
+        }
+        for (int name : part.names) {
+            number_of[name] = -1;
         }
         while (static_cast<int>(part.names.size()) < submesh_counts[i]) {
             part.names.push_back(free_names[next_free++]);

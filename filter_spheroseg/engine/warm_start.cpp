@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <queue>
 #include <tuple>
 
 namespace spheroseg {
@@ -18,6 +19,8 @@ constexpr int kMaxRounds = 4;
 /// Loads within these factors of the mean are left to the refinement.
 constexpr double kLightest = 0.5;
 constexpr double kHeaviest = 2.0;
+/// Load per sub-mesh where there is none.
+constexpr double kDensest = 1e300;
 
 /// Sides at the vertex at `corner` of a face across which another label or an open border lies.
 int fan_ends(const Patchwork& patchwork, int face, int corner) {
@@ -69,23 +72,24 @@ std::vector<int> new_shares(const Patchwork& patchwork) {
             ? 1
             : std::min(static_cast<int>(std::lround(load)), face_counts[l]);
     }
+    // One more where sub-meshes are heaviest, or one fewer where they are lightest.
     int sum = std::accumulate(shares.begin(), shares.end(), 0);
-    const auto density = [&](int l, int share) {
-        return share > 0 ? patchwork.load[l] / static_cast<double>(share) : 1e300;
-    };
-    while (sum != submesh_count) {
-        const int step = sum < submesh_count ? 1 : -1;
-        int best = -1;
-        for (int l = 0; l < submesh_count; ++l) {
-            if (step > 0 ? shares[l] < face_counts[l] &&
-                        (best < 0 || density(l, shares[l]) > density(best, shares[best]))
-                         : shares[l] > 0 &&
-                        (best < 0 || density(l, shares[l]) < density(best, shares[best]))) {
-                best = l;
-            }
+    const int step = sum < submesh_count ? 1 : -1;
+    std::priority_queue<std::pair<double, int>> queue;
+    const auto enter = [&](int l) {
+        if (step > 0 ? shares[l] < face_counts[l] : shares[l] > 0) {
+            const double density = shares[l] > 0 ? patchwork.load[l] / double(shares[l]) : kDensest;
+            queue.emplace(step * density, -l);
         }
-        shares[best] += step;
-        sum += step;
+    };
+    for (int l = 0; l < submesh_count; ++l) {
+        enter(l);
+    }
+    for (; sum != submesh_count; sum += step) {
+        const int l = -queue.top().second;
+        queue.pop();
+        shares[l] += step;
+        enter(l);
     }
     return shares;
 }
