@@ -12,9 +12,10 @@ const QStringList kDevices = {"auto", "cpu", "cuda"};
 const QStringList kBalances = {"triangle_count", "weight"};
 const QStringList kInitialLabels = {"none", "face_quality"};
 
+/// As of a large mesh where there is none yet.
 int default_submesh_count(int face_count) {
-    const SegmentOptions defaults;
-    return face_count > 0 ? requested_submesh_count(defaults, face_count) : 200;
+    constexpr int kLargeMesh = 1 << 20;
+    return requested_submesh_count(SegmentOptions(), face_count > 0 ? face_count : kLargeMesh);
 }
 
 // MeshLab shows these when asked to, so that the dialog fits the screen of a laptop.

@@ -227,9 +227,10 @@ void Builder::collect_base() {
 CollapseHierarchy Builder::build(const Progress& progress) {
     const Limits strict;
     Limits limits;
+    const auto all_faces = static_cast<double>(live_faces_.size());
     while (live_faces_.size() > 4) {
         report_progress(progress,
-                        1.0 - static_cast<double>(live_faces_.size()) / face_count_,
+                        1.0 - static_cast<double>(live_faces_.size()) / all_faces,
                         "Simplifying the mesh");
         const bool complete = rank_vertices(limits);
         select_vertices();

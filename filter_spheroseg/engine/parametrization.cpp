@@ -14,7 +14,6 @@ namespace spheroseg {
 
 namespace {
 
-constexpr double kSphereArea = 12.566370614359172;
 /// Rounds of fewer vertices than this are not worth the threads.
 constexpr int kSerialSize = 1000;
 
@@ -229,11 +228,7 @@ Parametrization parametrize(const TriangleMesh& mesh,
                             const Progress& progress) {
     check_base(hierarchy);
     const int threads = resolve_thread_count(thread_count);
-    double reported = 0.0;
-    const Progress rising = [&](double fraction, const char* step) {
-        reported = std::max(reported, fraction);
-        return !progress || progress(reported, step);
-    };
+    const Progress rising = rising_progress(progress);
     for (const Attempt& attempt : kAttempts) {
         Mapper mapper(mesh, hierarchy, threads);
         if (mapper.run(attempt, rising) && is_valid_parametrization(mesh, mapper.positions())) {

@@ -25,6 +25,9 @@ struct ParametrizationQuality {
     double anisotropy_mean = 0.0;
 };
 
+/// Area of the unit sphere.
+constexpr double kSphereArea = 12.566370614359172;
+
 /// Maps a closed manifold genus-0 mesh onto the unit sphere without flipped triangles, by
 /// re-inserting the vertices of `hierarchy` in reverse order, each where an angle-preserving
 /// distortion is least within the kernel of its ring, with smoothing between the rounds.

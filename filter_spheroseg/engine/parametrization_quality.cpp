@@ -11,7 +11,6 @@ namespace spheroseg {
 
 namespace {
 
-constexpr double kSphereArea = 12.566370614359172;
 constexpr double kUnitTolerance = 1e-4;
 
 /// Area of the spherical triangle with these unit corners, negative when clockwise (van Oosterom,

@@ -249,18 +249,20 @@ TEST(Hierarchy, IgnoresUnreferencedVerticesAndAcceptsNoFaces) {
 }
 
 TEST(Hierarchy, ReportsRisingProgressAndCanBeCancelled) {
-    const TriangleMesh mesh = test::icosphere(3);
-    const DualGraph dual_graph = build_dual_graph(mesh, 1);
-    double last = 0.0;
-    build_hierarchy(mesh, dual_graph, 1, [&](double fraction, const char*) {
-        EXPECT_GE(fraction, last);
-        EXPECT_LE(fraction, 1.0);
-        last = fraction;
-        return true;
-    });
-    EXPECT_GT(last, 0.9);
-    EXPECT_THROW(build_hierarchy(mesh, dual_graph, 1, [](double, const char*) { return false; }),
-                 Cancelled);
+    for (const TriangleMesh& mesh : {test::icosphere(3), test::open_grid(20)}) {
+        const DualGraph dual_graph = build_dual_graph(mesh, 1);
+        double last = 0.0;
+        build_hierarchy(mesh, dual_graph, 1, [&](double fraction, const char*) {
+            EXPECT_GE(fraction, last);
+            EXPECT_LE(fraction, 1.0);
+            last = fraction;
+            return true;
+        });
+        EXPECT_GT(last, 0.9);
+        EXPECT_THROW(
+            build_hierarchy(mesh, dual_graph, 1, [](double, const char*) { return false; }),
+            Cancelled);
+    }
 }
 
 } // namespace
