@@ -11,6 +11,7 @@
 #include "warm_start.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <mutex>
 #include <numeric>
@@ -185,30 +186,42 @@ private:
     }
 
     void segment_small(const std::vector<int>& small) {
+        const Deadline watch;
+        const std::array<double, 3> before = stage_seconds();
         SegmentOptions options = options_;
         options.thread_count = 1;
         const int threads = resolve_thread_count(options_.thread_count);
         const auto count = static_cast<int>(small.size());
         ParallelFailure failure;
         std::atomic<bool> stopped{false};
+        std::atomic<bool> cancelled{false};
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (count > 1)
         for (int i = 0; i < count; ++i) {
             failure.guard([&] {
                 if (!stopped) {
-                    segment_next(small[i], options, stopped);
+                    segment_next(small[i], options, stopped, cancelled);
                 }
             });
         }
         failure.rethrow();
+        share_out_seconds(before, watch.elapsed_seconds());
     }
 
     /// Progress is reported by the calling thread only. Nothing more is begun after a failure.
-    void segment_next(int i, const SegmentOptions& options, std::atomic<bool>& stopped) {
-        try {
-            if (omp_get_thread_num() == 0) {
-                report_progress(progress_, done(), "Components");
+    void segment_next(int i,
+                      const SegmentOptions& options,
+                      std::atomic<bool>& stopped,
+                      std::atomic<bool>& cancelled) {
+        const bool reports = progress_ && omp_get_thread_num() == 0;
+        const Progress watch = [&](double, const char*) {
+            if (reports && !progress_(done(), "Components")) {
+                cancelled = true;
             }
-            segment_one(i, options, nullptr, {});
+            return !cancelled;
+        };
+        try {
+            report_progress(watch, 0.0, "Components");
+            segment_one(i, options, nullptr, watch);
             done_faces_ += (*components_)[i].face_count();
         } catch (...) {
             stopped = true;
@@ -241,6 +254,26 @@ private:
         }
         const std::lock_guard<std::mutex> lock(result_mutex_);
         add_iterations(part);
+    }
+
+    std::array<double, 3> stage_seconds() const {
+        return {
+            result_.parametrization_seconds, result_.cohesion_seconds, result_.refinement_seconds};
+    }
+
+    /// Components that are worked on side by side spend more seconds than pass: what the stages
+    /// took since `before` is made to sum up to `passed`, if it is more.
+    void share_out_seconds(const std::array<double, 3>& before, double passed) {
+        const std::array<double, 3> now = stage_seconds();
+        double spent = 0.0;
+        for (int i = 0; i < 3; ++i) {
+            spent += now[i] - before[i];
+        }
+        const double share = spent > passed ? passed / spent : 1.0;
+        const auto shared = [&](int i) { return before[i] + share * (now[i] - before[i]); };
+        result_.parametrization_seconds = shared(0);
+        result_.cohesion_seconds = shared(1);
+        result_.refinement_seconds = shared(2);
     }
 
     /// The n-th iterations of all components count as one; a component that has ended keeps its

@@ -302,6 +302,21 @@ TEST(General, SharesThatATreeCanNotTakeAreSearchedFor) {
     EXPECT_EQ(recount.bowtie_count, 0);
 }
 
+TEST(General, StagesOfComponentsSideBySideTakeNoMoreThanAllTheTime) {
+    TriangleMesh spheres;
+    for (int i = 0; i < 16; ++i) {
+        append(spheres, icosphere(3));
+    }
+    PreparedMesh prepared(spheres);
+    SegmentOptions options;
+    options.submesh_count = 160;
+    options.thread_count = 4;
+    const Segmentation result = segment(prepared, options);
+    EXPECT_GT(result.refinement_seconds, 0.0);
+    EXPECT_LE(result.parametrization_seconds + result.cohesion_seconds + result.refinement_seconds,
+              result.total_seconds);
+}
+
 TEST(General, IterationsOfComponentsAddUp) {
     TriangleMesh spheres = icosphere(3);
     append(spheres, icosphere(4));
