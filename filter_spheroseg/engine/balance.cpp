@@ -15,10 +15,13 @@ namespace {
 
 class Balancer {
 public:
-    Balancer(Patchwork& patchwork, std::int64_t max_searches)
-        : patchwork_(patchwork), searches_left_(max_searches), boundaries_(patchwork),
-          branches_(patchwork), parent_(patchwork.submesh_count(), -1),
-          arc_of_(patchwork.submesh_count(), -1),
+    Balancer(Patchwork& patchwork,
+             std::int64_t max_searches,
+             const Deadline* deadline,
+             const Progress& progress)
+        : patchwork_(patchwork), searches_left_(max_searches), deadline_(deadline),
+          progress_(progress), boundaries_(patchwork), branches_(patchwork),
+          parent_(patchwork.submesh_count(), -1), arc_of_(patchwork.submesh_count(), -1),
           floor_(patchwork.face_count() / patchwork.submesh_count()),
           ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
           chain_(patchwork, boundaries_, floor_, ceiling_) {}
@@ -28,6 +31,9 @@ public:
         bool by_plan = false;
         for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds && searches_left_ > 0;
              ++idle_rounds) {
+            if (idle_rounds > 0 && is_overdue()) {
+                break;
+            }
             if (idle_rounds == 1) {
                 // What follows may lead astray.
                 best_ = patchwork_;
@@ -59,11 +65,24 @@ private:
     /// Rounds without progress before giving up; each searches in another order.
     static constexpr int kMaxIdleRounds = 20;
     static constexpr int kMaxBranchFaces = 64;
+    /// Searches between two reports of progress: some milliseconds.
+    static constexpr std::int64_t kSearchesPerReport = 1000;
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
     /// A plan that looks at so many sub-meshes and finds no end has met all that can be reached.
     static constexpr std::int64_t kLargePlan = 1000;
+
+    bool is_overdue() const { return deadline_ && deadline_->is_overdue(); }
+
+    void count_searches(std::int64_t count) {
+        searches_left_ -= count;
+        unreported_ += count;
+        if (unreported_ >= kSearchesPerReport) {
+            unreported_ = 0;
+            report_progress(progress_, 0.0, "Balancing");
+        }
+    }
 
     /// Calls `pass(label, outward)` for the sub-meshes that are off, as long as it answers true. A
     /// chain that breaks leaves its face on the way, so the same label may be off again: no more
@@ -86,7 +105,7 @@ private:
                 return false;
             }
             const bool moved = chain_.follow(label, outward, random_);
-            searches_left_ -= chain_.searches();
+            count_searches(chain_.searches());
             shut_in = !moved && chain_.searches() > kLargePlan;
             return moved;
         });
@@ -142,7 +161,7 @@ private:
     /// The best allowed move to (or, not `outward`, from) each wanted neighbour of a sub-mesh.
     template <typename Wanted>
     const std::vector<Arc>& arcs(int label, bool outward, Wanted is_wanted) {
-        --searches_left_;
+        count_searches(1);
         arcs_.clear();
         boundaries_.for_each_side(label, [&](int face, int c, int across) {
             if (!is_wanted(across)) {
@@ -220,6 +239,9 @@ private:
 
     /// The same by a random walk; where sub-meshes are narrow, whole branches pass.
     bool wander(int label, bool outward) {
+        if (is_overdue()) {
+            return false;
+        }
         const bool with_branches = branches_.work() < kBranchWorkPerFace * patchwork_.face_count();
         int at = label;
         for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
@@ -244,7 +266,7 @@ private:
     /// Passes a branch, drawn at random from those of up to about twice as many faces as there are
     /// too many (or too few). Returns the sub-mesh at the other side of it; -1 when there is none.
     int pass_branch(int label, bool outward) {
-        --searches_left_;
+        count_searches(1);
         const int max_faces = std::min(kMaxBranchFaces, 2 + 2 * deviation(label));
         int other = -1;
         std::uint32_t count = 0;
@@ -293,6 +315,9 @@ private:
 
     Patchwork& patchwork_;
     std::int64_t searches_left_;
+    std::int64_t unreported_ = 0;
+    const Deadline* const deadline_;
+    const Progress& progress_;
     SubmeshBoundaries boundaries_;
     Branches branches_;
     std::vector<int> chosen_;
@@ -310,8 +335,11 @@ private:
 
 } // namespace
 
-bool balance_exactly(Patchwork& patchwork, std::int64_t max_searches) {
-    return Balancer(patchwork, max_searches).run();
+bool balance_exactly(Patchwork& patchwork,
+                     std::int64_t max_searches,
+                     const Deadline* deadline,
+                     const Progress& progress) {
+    return Balancer(patchwork, max_searches, deadline, progress).run();
 }
 
 } // namespace spheroseg

@@ -68,6 +68,7 @@ public:
         prepare_levels(sub_progress(progress_, 0, 0.2));
         result_.parametrization_seconds += watch.elapsed_seconds();
         consider_input();
+        const std::vector<int> reserve = reserve_labels();
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts(), start + 1);
             start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
@@ -82,9 +83,14 @@ public:
             any_valid_ = any_valid_ || valid;
             // Even out of time an invalid result is worth another start.
             const bool enough = any_valid_ && start + 1 >= wanted_starts();
-            if (enough || (deadline_.expired() && (any_valid_ || start > 0))) {
+            const bool in_time =
+                !deadline_.expired() || (!any_valid_ && start == 0 && !deadline_.is_overdue());
+            if (enough || !in_time) {
                 break;
             }
+        }
+        if (deadline_.expired() && !reserve.empty()) {
+            any_valid_ = keep_if_better(finest_with(reserve), true) || any_valid_;
         }
         if (!any_valid_ && !by_weight() && component_.face_count() <= kMaxFacesToSearch) {
             search();
@@ -140,6 +146,24 @@ private:
             (by_weight() || is_balanced(patchwork))) {
             keep_if_better(patchwork, true);
         }
+    }
+
+    /// `high` that runs out of time is cut short while it still melts boundaries. Then the result
+    /// of `standard`, which takes a small part of its time, is better. Empty where it is not
+    /// needed.
+    std::vector<int> reserve_labels() {
+        if (options_.effort != Effort::high || options_.time_limit_seconds <= 0.0) {
+            return {};
+        }
+        SegmentOptions quick = options_;
+        quick.effort = Effort::standard;
+        Segmentation reserve;
+        const Progress progress = sub_progress(progress_, 0.2, 0.2);
+        FastSegmentation run(component_, whole_, quick, task_, deadline_, progress, reserve);
+        run.run();
+        result_.cohesion_seconds += reserve.cohesion_seconds;
+        result_.refinement_seconds += reserve.refinement_seconds;
+        return run.any_valid_ ? reserve.labels : std::vector<int>();
     }
 
     Patchwork level_with(int least_face_count) const {
@@ -392,15 +416,18 @@ private:
     }
 
     bool balance(Patchwork& patchwork) {
+        const Progress progress = sub_progress(start_progress_, 0.7, 0.7);
+        const auto balance_by = [&](std::int64_t searches_per_face) {
+            return balance_exactly(
+                patchwork, searches_per_face * patchwork.face_count(), &deadline_, progress);
+        };
         if (is_warm_) {
             // A start of our own is better than a long search.
-            return is_near_balance(patchwork) &&
-                balance_exactly(patchwork, 20 * static_cast<std::int64_t>(patchwork.face_count()));
+            return is_near_balance(patchwork) && balance_by(20);
         }
-        // Far more than is ever needed where it can be done.
-        const std::int64_t max_searches = 100 * static_cast<std::int64_t>(patchwork.face_count());
-        bool balanced = balance_exactly(patchwork, max_searches);
-        for (int i = 0; i < kBalanceTries && !balanced; ++i) {
+        // Far more searches than are ever needed where it can be done.
+        bool balanced = balance_by(100);
+        for (int i = 0; i < kBalanceTries && !balanced && !deadline_.is_overdue(); ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             AnnealSchedule schedule;
             schedule.thread_count = options_.thread_count;
@@ -411,8 +438,10 @@ private:
             schedule.balance_weight_end = 1.0;
             schedule.proposals_per_face = 100.0;
             schedule.phase_count = 12;
-            anneal(patchwork, schedule, {});
-            balanced = balance_exactly(patchwork, max_searches);
+            AnnealControl control;
+            control.progress = progress;
+            anneal(patchwork, schedule, control);
+            balanced = balance_by(100);
         }
         return balanced;
     }

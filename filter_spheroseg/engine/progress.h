@@ -5,11 +5,12 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 
 namespace spheroseg {
 
-/// Called from the calling thread only, outside parallel loops, with values that rise from 0 to 1
-/// within one operation, and the name of the running step. False means stop. May be empty.
+/// Called from the calling thread only, with values that rise from 0 to 1 within one operation, and
+/// the name of the running step. False means stop. May be empty.
 using Progress = std::function<bool(double, const char*)>;
 
 /// Reports progress and throws Cancelled when the callback answers false.
@@ -34,9 +35,10 @@ inline Progress rising_progress(const Progress& progress) {
     if (!progress) {
         return {};
     }
-    return [progress, most = 0.0](double fraction, const char* step) mutable {
-        most = fraction > most ? fraction : most;
-        return progress(most, step);
+    // Shared by all copies.
+    return [progress, most = std::make_shared<double>(0.0)](double fraction, const char* step) {
+        *most = fraction > *most ? fraction : *most;
+        return progress(*most, step);
     };
 }
 
@@ -51,6 +53,11 @@ public:
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
     bool expired() const { return limit_seconds_ > 0.0 && elapsed_seconds() >= limit_seconds_; }
+    /// The time is up even for what makes a result valid that is not: that may take as long again
+    /// as the limit, and a second.
+    bool is_overdue() const {
+        return limit_seconds_ > 0.0 && elapsed_seconds() >= 2.0 * limit_seconds_ + 1.0;
+    }
 
 private:
     std::chrono::steady_clock::time_point start_;

@@ -49,25 +49,6 @@ Tree planted_tree(int face_count, std::uint64_t seed) {
     return tree;
 }
 
-/// Grown by gluing to random open edges.
-TriangleMesh random_tree(int face_count, std::uint64_t seed) {
-    Random random(seed);
-    TriangleMesh mesh;
-    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    mesh.faces = {{0, 1, 2}};
-    std::vector<std::pair<int, int>> open = {{1, 0}, {2, 1}, {0, 2}};
-    while (mesh.face_count() < face_count) {
-        const std::size_t at = random.below(static_cast<std::uint32_t>(open.size()));
-        const auto [a, b] = open[at];
-        const int tip = mesh.vertex_count();
-        mesh.positions.push_back({1.0 * tip, 0.0, 0.0});
-        mesh.faces.push_back({a, b, tip});
-        open[at] = {tip, b};
-        open.emplace_back(a, tip);
-    }
-    return mesh;
-}
-
 /// Whether connected parts of `least` to `most` faces exist: all labellings are tried.
 bool exists(const Levels& levels, int k, int least, int most, std::vector<int>& labels, int face) {
     if (face == levels.mesh.face_count()) {

@@ -53,9 +53,8 @@ struct Calls {
     int count = 0;
 };
 
-Calls watch(const Trial& trial) {
+Calls watch(const Trial& trial, PreparedMesh& prepared) {
     Calls calls;
-    PreparedMesh prepared(trial.mesh, 2);
     segment(prepared, trial.options, [&](double, const char* step) {
         calls.steps.insert(step);
         ++calls.count;
@@ -68,9 +67,9 @@ TEST(Cancel, AtEveryCallOfEveryStepLeavesTheMeshUsable) {
     std::set<std::string> steps;
     for (const Trial& trial : trials()) {
         SCOPED_TRACE(trial.name);
-        const Calls calls = watch(trial);
-        steps.insert(calls.steps.begin(), calls.steps.end());
         PreparedMesh reference(trial.mesh, 1);
+        const Calls calls = watch(trial, reference);
+        steps.insert(calls.steps.begin(), calls.steps.end());
         const std::vector<int> expected = segment(reference, trial.options).labels;
         for (int stop = 1; stop <= calls.count; ++stop) {
             PreparedMesh prepared(trial.mesh, 2);
@@ -115,13 +114,34 @@ TEST(Cancel, OfTheSphericalMapAtEveryCallLeavesTheMeshUsable) {
     EXPECT_GT(calls, 20);
 }
 
+TEST(Cancel, WorksWhileABalanceIsSearchedForThatDoesNotExist) {
+    const TriangleMesh tree = random_tree(1500, 1);
+    const SegmentOptions options = options_of(Method::fast, Effort::draft, 60);
+    PreparedMesh prepared(tree, 2);
+    double last = 0.0;
+    int searches = 0;
+    const Segmentation result = segment(prepared, options, [&](double fraction, const char* step) {
+        EXPECT_GE(fraction, last) << step;
+        last = fraction;
+        searches += step == std::string("Balancing");
+        return true;
+    });
+    EXPECT_GT(result.measures.max_triangle_count_difference, 1);
+    EXPECT_GT(searches, 20);
+    EXPECT_THROW(
+        segment(prepared,
+                options,
+                [&](double, const char* step) { return step != std::string("Balancing"); }),
+        Cancelled);
+}
+
 TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
     constexpr double kLimit = 0.03;
     for (Trial trial : trials()) {
         SCOPED_TRACE(trial.name);
-        const int calls = watch(trial).count;
         PreparedMesh prepared(trial.mesh, 2);
         const std::vector<int> unlimited = segment(prepared, trial.options).labels;
+        const int calls = watch(trial, prepared).count;
         trial.options.time_limit_seconds = kLimit;
         // The last call says that all is done.
         for (int late = 1; late < calls; late += 1 + calls / 40) {
@@ -135,12 +155,34 @@ TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
             const Segmentation result = segment(prepared, trial.options, dawdle);
             const bool fast = trial.options.method == Method::fast;
             EXPECT_LE(result.measures.max_triangle_count_difference, 1) << late;
-            EXPECT_TRUE(!fast || result.measures.is_valid()) << late;
+            EXPECT_TRUE(!fast || (result.measures.is_valid() && result.time_limit_hit)) << late;
             if (!result.time_limit_hit) {
                 EXPECT_EQ(result.labels, unlimited) << "cut short without a word at " << late;
             }
         }
     }
+}
+
+TEST(TimeLimit, ThatCutsHighShortLeavesNoLongerBoundariesThanStandard) {
+    PreparedMesh prepared(displaced_sphere(4), 2);
+    SegmentOptions options;
+    options.submesh_count = 60;
+    const int standard = segment(prepared, options).measures.boundary_edge_count;
+    options.effort = Effort::high;
+    options.time_limit_seconds = 1.0;
+    bool dawdled = false;
+    // What `high` holds in reserve is made within the first fifth.
+    const auto dawdle = [&](double fraction, const char*) {
+        if (fraction > 0.2 && !dawdled) {
+            dawdled = true;
+            std::this_thread::sleep_for(std::chrono::seconds(1));
+        }
+        return true;
+    };
+    const Segmentation high = segment(prepared, options, dawdle);
+    EXPECT_TRUE(high.measures.is_valid());
+    EXPECT_TRUE(high.time_limit_hit);
+    EXPECT_LE(high.measures.boundary_edge_count, standard);
 }
 
 TEST(ParallelFailure, TakesAnExceptionOutOfAParallelRegion) {
