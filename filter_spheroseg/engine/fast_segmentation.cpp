@@ -33,7 +33,8 @@ constexpr int kSmallSubmesh = 86;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
-/// Level at which trials of the first start are compared, and the most trials.
+/// Level at which trials of the first start are compared, and the most trials. Twice as many coarse
+/// faces as that are worth trying in all.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 8;
 /// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
@@ -248,7 +249,7 @@ private:
     int trial_count() const {
         const bool limited = options_.max_cohesion_iterations > 0 ||
             options_.max_refinement_iterations > 0 || !task_.initial_labels.empty();
-        return limited ? 1 : std::clamp(kTrialFaces / coarse_face_count() / 2, 1, kMaxTrials);
+        return limited ? 1 : std::clamp(kTrialFaces / coarse_face_count(), 1, kMaxTrials);
     }
 
     /// Anneals several starts up to a level where edges are about equally long, every other one
@@ -288,6 +289,7 @@ private:
         unrecorded.deadline = &deadline_;
         for (;;) {
             set_balance(schedule, patchwork, 0.5, 1.5);
+            schedule.proposals_per_face *= budget_.trial_share;
             if (freely) {
                 anneal_freely(patchwork, schedule, deadline_);
             } else {
