@@ -51,6 +51,16 @@ constexpr int kManySubmeshes = 50;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
 
+/// The iterations of a start.
+struct History {
+    std::vector<double> boundary_edges;
+    std::vector<double> seconds;
+    int cohesion_iterations = 0;
+
+    int count() const { return static_cast<int>(seconds.size()); }
+    int refinement_iterations() const { return count() - cohesion_iterations; }
+};
+
 class FastSegmentation {
 public:
     FastSegmentation(Component& component,
@@ -69,11 +79,12 @@ public:
         prepare_levels(sub_progress(progress_, 0, 0.2));
         result_.parametrization_seconds += watch.elapsed_seconds();
         consider_input();
-        const std::vector<int> reserve = reserve_labels();
+        const std::optional<Segmentation> reserve = make_reserve();
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts(), start + 1);
             start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
+            history_ = {};
             const bool is_tried = start == 0 && trial_count() > 1;
             Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start);
             refine_levels(patchwork, is_tried);
@@ -90,14 +101,22 @@ public:
                 break;
             }
         }
-        if (deadline_.expired() && !reserve.empty()) {
-            any_valid_ = keep_if_better(finest_with(reserve), true) || any_valid_;
+        if (kept_history_.count() == 0) {
+            kept_history_ = history_; // The initial labels stay.
+        }
+        if (deadline_.expired() && reserve) {
+            history_ = {reserve->boundary_edges_by_iteration,
+                        reserve->seconds_by_iteration,
+                        reserve->cohesion_iterations};
+            any_valid_ = keep_if_better(finest_with(reserve->labels), true) || any_valid_;
         }
         if (!any_valid_ && !by_weight() && component_.face_count() <= kMaxFacesToSearch) {
             search();
         }
-        result_.refinement_iterations =
-            static_cast<int>(result_.seconds_by_iteration.size()) - result_.cohesion_iterations;
+        result_.cohesion_iterations = kept_history_.cohesion_iterations;
+        result_.refinement_iterations = kept_history_.refinement_iterations();
+        result_.boundary_edges_by_iteration = std::move(kept_history_.boundary_edges);
+        result_.seconds_by_iteration = std::move(kept_history_.seconds);
         result_.used_cuda = task_.device && result_.refinement_iterations > 0;
     }
 
@@ -150,11 +169,11 @@ private:
     }
 
     /// `high` that runs out of time is cut short while it still melts boundaries. Then the result
-    /// of `standard`, which takes a small part of its time, is better. Empty where it is not
-    /// needed.
-    std::vector<int> reserve_labels() {
+    /// of `standard`, which takes a small part of its time, is better. Nothing where it is
+    /// not needed, or not valid.
+    std::optional<Segmentation> make_reserve() {
         if (options_.effort != Effort::high || options_.time_limit_seconds <= 0.0) {
-            return {};
+            return std::nullopt;
         }
         SegmentOptions quick = options_;
         quick.effort = Effort::standard;
@@ -164,7 +183,7 @@ private:
         run.run();
         result_.cohesion_seconds += reserve.cohesion_seconds;
         result_.refinement_seconds += reserve.refinement_seconds;
-        return run.any_valid_ ? reserve.labels : std::vector<int>();
+        return run.any_valid_ ? std::optional(std::move(reserve)) : std::nullopt;
     }
 
     Patchwork level_with(int least_face_count) const {
@@ -196,10 +215,16 @@ private:
                 std::max(1, multilevel_->total_weight() / submesh_count_ / 1000);
             cost += ((excess + unit - 1) / unit) << 32;
         }
-        cost += count_boundary_edges(patchwork, options_.thread_count);
+        const std::int64_t edges = count_boundary_edges(patchwork, options_.thread_count);
+        cost += edges;
         if (least_cost_ < 0 || cost < least_cost_) {
             least_cost_ = cost;
             result_.labels = multilevel_->labels(patchwork);
+            kept_history_ = history_;
+            if (history_.count() > 0) {
+                // With what was done to balance it.
+                kept_history_.boundary_edges.back() = static_cast<double>(edges);
+            }
         }
         return valid;
     }
@@ -313,10 +338,9 @@ private:
         if (start < 3) {
             AnnealControl cohesion = control(0.2, 0.25);
             cohesion.max_phases = max_cohesion_iterations();
-            const std::size_t before = result_.seconds_by_iteration.size();
+            const int before = history_.count();
             relax(patchwork, budget_.relaxations, options_.thread_count, cohesion);
-            result_.cohesion_iterations +=
-                static_cast<int>(result_.seconds_by_iteration.size() - before);
+            history_.cohesion_iterations += history_.count() - before;
         }
         result_.cohesion_seconds += watch.elapsed_seconds();
         return patchwork;
@@ -335,9 +359,13 @@ private:
         limits.deadline = &deadline_;
         limits.max_iterations = std::min(kSphereIterations, max_cohesion_iterations());
         std::vector<int> labels = balanced_sphere_labels(centroids, submesh_count_);
-        const SwapIterations cohesion = cohere_pairs(
-            centroids, submesh_count_, limits, labels, sub_progress(start_progress_, 0.22, 0.25));
-        result_.cohesion_iterations += cohesion.count();
+        const SwapIterations cohesion = cohere_pairs(centroids,
+                                                     submesh_count_,
+                                                     limits,
+                                                     labels,
+                                                     sub_progress(start_progress_, 0.22, 0.25),
+                                                     &whole_->dual_graph());
+        history_ = {cohesion.boundary_edges, cohesion.seconds, cohesion.count()};
         Patchwork patchwork = finest_with(labels);
         result_.cohesion_seconds += watch.elapsed_seconds();
         return patchwork;
@@ -467,12 +495,11 @@ private:
         control.deadline = &deadline_;
         control.device = task_.device;
         control.progress = sub_progress(start_progress_, begin, end);
-        control.boundary_edges = &result_.boundary_edges_by_iteration;
-        control.seconds = &result_.seconds_by_iteration;
+        control.boundary_edges = &history_.boundary_edges;
+        control.seconds = &history_.seconds;
         if (options_.max_refinement_iterations > 0) {
-            control.max_phases = options_.max_refinement_iterations -
-                (static_cast<int>(result_.seconds_by_iteration.size()) -
-                 result_.cohesion_iterations);
+            control.max_phases =
+                options_.max_refinement_iterations - history_.refinement_iterations();
         }
         return control;
     }
@@ -490,6 +517,9 @@ private:
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::int64_t least_cost_ = -1;
+    /// Of the running start, and of the one whose result is kept.
+    History history_;
+    History kept_history_;
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;
     bool is_warm_ = false;

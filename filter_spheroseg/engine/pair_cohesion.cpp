@@ -2,6 +2,7 @@
 #include "pair_cohesion.h"
 
 #include "cohesion_state.h"
+#include "measures.h"
 #include "threads.h"
 #include "yielding_barrier.h"
 
@@ -248,7 +249,8 @@ SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
                             int submesh_count,
                             const SwapLimits& limits,
                             std::vector<int>& labels,
-                            const Progress& progress) {
+                            const Progress& progress,
+                            const DualGraph* dual_graph) {
     SwapIterations history;
     PairCohesion cohesion(face_centroids, labels, submesh_count, limits.thread_count);
     double least_energy = cohesion.energy();
@@ -267,6 +269,9 @@ SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
         const long long swap_count = cohesion.iterate();
         history.swaps.push_back(static_cast<double>(swap_count));
         history.energy.push_back(cohesion.energy());
+        if (dual_graph) {
+            history.boundary_edges.push_back(count_boundary_edges(*dual_graph, cohesion.labels()));
+        }
         history.seconds.push_back(watch.elapsed_seconds());
         if (history.energy.back() < least_energy) {
             least_energy = history.energy.back();

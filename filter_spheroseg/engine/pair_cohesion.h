@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "dual_graph.h"
 #include "progress.h"
 #include "swap_iterations.h"
 #include "types.h"
@@ -20,13 +21,14 @@ namespace spheroseg {
 /// the count of each label stays. The result does not depend on the number of threads. Coinciding
 /// centroids are not parted, unlike there: begin with `balanced_sphere_labels`. Like there, it also
 /// ends when 32 iterations have brought no new least energy. `boundary_edges` of the result is
-/// empty. From a coherent start an iteration costs O(F) and a sort of the faces that may move;
+/// empty without a dual graph (may be null). From a coherent start an iteration costs O(F) and a sort of the faces that may move;
 /// memory is O(F) and the number of pairs of sub-meshes that touch. Throws Cancelled; the labels
 /// are unchanged then.
 SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
                             int submesh_count,
                             const SwapLimits& limits,
                             std::vector<int>& labels,
-                            const Progress& progress = {});
+                            const Progress& progress = {},
+                            const DualGraph* dual_graph = nullptr);
 
 } // namespace spheroseg

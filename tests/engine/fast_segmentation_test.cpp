@@ -211,19 +211,30 @@ TEST(Fast, CancelAtAnyCallLeavesThePreparedMeshUsable) {
 
 TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
     PreparedMesh prepared(displaced_sphere(4), 1);
-    SegmentOptions options = fast_options(50);
-    const Segmentation whole = segment(prepared, options);
-    EXPECT_EQ(whole.seconds_by_iteration.size(),
-              static_cast<std::size_t>(whole.cohesion_iterations + whole.refinement_iterations));
-    EXPECT_EQ(whole.boundary_edges_by_iteration.size(), whole.seconds_by_iteration.size());
-    EXPECT_EQ(whole.energy_by_iteration.size(), whole.seconds_by_iteration.size());
-    EXPECT_EQ(whole.boundary_edges_by_iteration.back(), whole.measures.boundary_edge_count);
-    options.max_cohesion_iterations = 3;
-    options.max_refinement_iterations = 5;
-    const Segmentation cut = segment(prepared, options);
-    EXPECT_EQ(cut.cohesion_iterations, 3);
-    EXPECT_EQ(cut.refinement_iterations, 5);
-    EXPECT_TRUE(cut.measures.is_valid());
+    const auto expect_history = [](const Segmentation& result) {
+        const auto count =
+            static_cast<std::size_t>(result.cohesion_iterations + result.refinement_iterations);
+        ASSERT_EQ(result.seconds_by_iteration.size(), count);
+        ASSERT_EQ(result.boundary_edges_by_iteration.size(), count);
+        EXPECT_EQ(result.energy_by_iteration.size(), count);
+        EXPECT_EQ(result.boundary_edges_by_iteration.back(), result.measures.boundary_edge_count);
+    };
+    // `high` makes a second start, of 50 sub-meshes on the sphere.
+    for (Effort effort : {Effort::standard, Effort::high}) {
+        for (std::uint64_t seed = 0; seed < 4; ++seed) {
+            SegmentOptions options = fast_options(50, effort);
+            options.seed = seed;
+            options.max_refinement_iterations = effort == Effort::high ? 30 : 0;
+            expect_history(segment(prepared, options));
+            options.max_cohesion_iterations = 3;
+            options.max_refinement_iterations = 5;
+            const Segmentation cut = segment(prepared, options);
+            expect_history(cut);
+            EXPECT_EQ(cut.cohesion_iterations, 3);
+            EXPECT_EQ(cut.refinement_iterations, 5);
+            EXPECT_TRUE(cut.measures.is_valid());
+        }
+    }
 }
 
 } // namespace
