@@ -171,6 +171,58 @@ def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
     assert "add --resume" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("link", [None, "symlink_to", "hardlink_to"])
+def test_an_input_is_never_replaced_by_a_result(link, tmp_path, capsys):
+    write_mesh(tmp_path / "in" / "a.ply")
+    before = (tmp_path / "in" / "a.ply").read_bytes()
+    output = tmp_path / ("in" if link is None else "out")
+    if link:
+        output.mkdir()
+        getattr(output / "a.ply", link)(tmp_path / "in" / "a.ply")
+    assert main(["batch", str(tmp_path / "in"), "-o", str(output), "-k", "5"]) == 2
+    said = capsys.readouterr().err
+    assert f"{output / 'a.ply'}: is an input, and the result of {tmp_path / 'in' / 'a.ply'}" in said
+    assert "name another output folder" in said
+    assert said.count("\n") == 1
+    assert (tmp_path / "in" / "a.ply").read_bytes() == before
+    assert not (output / jobs.RECORD_FOLDER).exists()
+
+
+def test_a_list_of_meshes_is_never_replaced_by_the_manifest(tmp_path, capsys):
+    write_mesh(tmp_path / "data" / "a.ply")
+    (tmp_path / "manifest.csv").write_text("mesh\ndata/a.ply\n")
+    assert main(["batch", str(tmp_path / "manifest.csv"), "-o", str(tmp_path), "-k", "5"]) == 2
+    assert "is an input, and the manifest would replace it" in capsys.readouterr().err
+    assert (tmp_path / "manifest.csv").read_text() == "mesh\ndata/a.ply\n"
+
+
+def test_a_first_run_replaces_no_file_at_all(tmp_path, capsys):
+    write_mesh(tmp_path / "in" / "a.ply")
+    write_mesh(tmp_path / "in" / "mine" / "a.ply", seed=1)
+    before = (tmp_path / "in" / "mine" / "a.ply").read_bytes()
+    assert main(["batch", str(tmp_path / "in"), "-o", str(tmp_path / "in" / "mine")]) == 2
+    assert "is there already, and the result of" in capsys.readouterr().err
+    assert (tmp_path / "in" / "mine" / "a.ply").read_bytes() == before
+
+
+@pytest.mark.parametrize("source", [".", "in", "in/**/*.ply", "**/*"])
+def test_results_below_the_inputs_are_no_inputs(source, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", source, "-o", "in/results", "-k", "5"]
+    assert main(arguments) == 0
+    assert main([*arguments, "--resume"]) == 0
+    assert [Path(row["mesh"]).name for row in rows(tmp_path / "in/results")] == ["a.ply", "b.ply"]
+
+
+def test_a_mesh_that_is_named_itself_may_lie_in_the_output_folder(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    named = [str(tmp_path / "a.ply"), "-o", str(tmp_path), "-k", "5"]
+    assert main(["batch", *named, "--formats", "npy"]) == 0
+    assert len(np.unique(np.load(tmp_path / "a.npy"))) == 5
+
+
 def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
     write_mesh(tmp_path / "data" / "a.ply")
     write_mesh(tmp_path / "data" / "b.ply", seed=1)

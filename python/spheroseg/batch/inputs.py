@@ -22,16 +22,17 @@ class Source:
     submesh_count: int | None = None
 
 
-def collect(inputs: list[str]) -> list[Source]:
+def collect(inputs: list[str], output: Path | None = None) -> list[Source]:
     """The meshes that `inputs` name, in their order, each once.
 
     A folder stands for all mesh files below it; a CSV file has a column `mesh` (relative to the
     CSV's folder) and may have a column `submesh_count` or `k`. A file that is named but absent is
-    kept: it fails on its own. Raises InputError for an input that names nothing.
+    kept: it fails on its own. A search around `output`, the folder for results, leaves out what
+    lies in there. Raises InputError for an input that names nothing.
     """
     sources: dict[tuple, Source] = {}
     for text in inputs:
-        found = list(_expand(text))
+        found = list(_expand(text, output and output.resolve()))
         if not found:
             raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
         for source in found:
@@ -39,19 +40,29 @@ def collect(inputs: list[str]) -> list[Source]:
     return _with_unique_names(list(sources.values()))
 
 
-def _expand(text: str):
+def _expand(text: str, output: Path | None):
     path = Path(text)
     if path.is_dir():
         for mesh in sorted(path.rglob("*")):
-            if mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file():
+            is_mesh = mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file()
+            if is_mesh and not _is_result(mesh, path, output):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
     elif path.suffix.lower() == ".csv":
         yield from _from_csv(path)
     elif not path.exists() and glob.has_magic(text):
+        searched = next(parent for parent in path.parents if not glob.has_magic(str(parent)))
         for match in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207 (any pattern)
-            yield from _expand(match)
+            if not _is_result(Path(match), searched, output):
+                yield from _expand(match, output)
     else:
         yield Source(path, path.stem)
+
+
+def _is_result(path: Path, searched: Path, output: Path | None) -> bool:
+    """Whether a search of the folder `searched` came to `path` in an output folder further down."""
+    if output is None or searched.resolve() not in output.parents:
+        return False
+    return (path.parent.resolve() / path.name).is_relative_to(output)
 
 
 def _from_csv(path: Path):

@@ -14,6 +14,7 @@ from spheroseg.batch.jobs import RECORD_FOLDER, Job, failed_record, finished_rec
 from spheroseg.errors import InputError
 
 MANIFEST_STEM = "manifest"
+MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
 
 # Measures of the manifest: all single values that are the same on every run.
@@ -39,15 +40,48 @@ _SECONDS = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds",
 Record = dict[str, Any]
 
 
-def check_folder(folder: Path, resume: bool) -> None:
-    """Makes the output folder; refuses one with earlier results unless they are to be resumed."""
-    folder.mkdir(parents=True, exist_ok=True)
-    if (folder / RECORD_FOLDER).exists() and not resume:
+def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> None:
+    """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
+    one where a result would replace a file that is none: a mesh, one of the `lists` of meshes, or,
+    before the first run, any file."""
+    has_results = (folder / RECORD_FOLDER).exists()
+    if has_results and not resume:
         raise InputError(
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
             "changed, or name another folder"
         )
-    (folder / RECORD_FOLDER).mkdir(exist_ok=True)
+    inputs = {_identity(Path(path)) for path in (*(job.mesh for job in jobs), *lists)} - {None}
+    for path, source in _outputs(folder, jobs):
+        found = _identity(path)
+        if found in inputs:
+            raise InputError(
+                f"{path}: is an input, and {source} would replace it; name another output folder"
+            )
+        if found and not has_results:
+            raise InputError(
+                f"{path}: is there already, and {source} would replace it; name another output "
+                "folder"
+            )
+    (folder / RECORD_FOLDER).mkdir(parents=True, exist_ok=True)
+
+
+def _outputs(folder: Path, jobs: list[Job]) -> Iterator[tuple[Path, str]]:
+    """Each file that a batch writes, and what it is."""
+    for job in jobs:
+        for suffix in job.formats:
+            yield job.output_path(suffix), f"the result of {job.mesh}"
+    for form in MANIFEST_FORMS:
+        yield folder / f"{MANIFEST_STEM}.{form}", "the manifest"
+    yield folder / TIMINGS_NAME, "the table of timings"
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The same for all paths of one file; None where there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def run_all(

@@ -37,7 +37,7 @@ def add_arguments(parser):
         metavar="LIST",
         help="results per mesh, out of ply,npy,npz,glb (ply: labelled and coloured)",
     )
-    parser.add_argument("--manifest", choices=("csv", "parquet"), default="csv")
+    parser.add_argument("--manifest", choices=runner.MANIFEST_FORMS, default="csv")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="meshes at a time here (all cores)")
     where.add_argument("--scheduler", metavar="tcp://...", help="run on this Dask cluster instead")
@@ -53,7 +53,8 @@ def run(arguments) -> int:
         raise InputError(f"--workers must be 1 or more, got {workers}")
     jobs = _jobs(arguments, workers)
     folder = Path(arguments.output)
-    runner.check_folder(folder, arguments.resume)
+    lists = [Path(text) for text in arguments.inputs]
+    runner.prepare_folder(folder, jobs, lists, arguments.resume)
     atomic.remove_leftovers(folder)
     try:
         with _Display(len(jobs)) as display:
@@ -94,7 +95,7 @@ def _jobs(arguments, workers: int) -> list[Job]:
             version=versions,
             thread_count=threads,
         )
-        for source in inputs.collect(arguments.inputs)
+        for source in inputs.collect(arguments.inputs, Path(arguments.output))
     ]
 
 
