@@ -6,10 +6,15 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
+import socket
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 TEMPORARY_SUFFIX = ".spheroseg-part"
+_OWNER = re.compile(rf"\.(\d+)@(.+){re.escape(TEMPORARY_SUFFIX)}")
+_LONGEST_WRITE_SECONDS = 24 * 3600
 
 
 class DiskFullError(OSError):
@@ -17,17 +22,19 @@ class DiskFullError(OSError):
 
 
 @contextlib.contextmanager
-def atomic_path(path: Path) -> Iterator[Path]:
+def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
     """Yields a temporary path in the folder of `path`; renames it to `path` when the block ends
-    well, removes it otherwise. Raises DiskFullError when the disk has no room."""
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}{TEMPORARY_SUFFIX}")
+    well, removes it otherwise. A symbolic link stays one: what it leads to is replaced. `suffix` is
+    for writers that go by it. Raises DiskFullError when the disk has no room."""
+    target = Path(path).resolve()
+    owner = f"{os.getpid()}@{socket.gethostname()}"
+    temporary = target.with_name(f".{target.name}.{owner}{TEMPORARY_SUFFIX}{suffix}")
     try:
-        with explained_disk_full(path):
+        with _explained(path, temporary):
             yield temporary
             with temporary.open("rb") as stream:
                 os.fsync(stream.fileno())
-            temporary.replace(path)
+            temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -44,21 +51,52 @@ def write_text(path: Path, text: str) -> None:
 
 
 @contextlib.contextmanager
-def explained_disk_full(path: Path) -> Iterator[None]:
-    """Turns "no space left" into a DiskFullError that names the file."""
+def _explained(path: Path, temporary: Path) -> Iterator[None]:
+    """Errors name the file that was wanted; "no space left" becomes a DiskFullError."""
     try:
         yield
     except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT) and not isinstance(error, DiskFullError):
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
             raise DiskFullError(
                 error.errno, f"no room left on the disk for '{path}'; make room and run again"
             ) from error
+        if error.filename == str(temporary):
+            error.filename = str(path)
         raise
 
 
+def is_temporary(path: Path) -> bool:
+    return TEMPORARY_SUFFIX in path.name
+
+
 def remove_leftovers(folder: Path) -> int:
-    """Removes temporary files that a killed run left in `folder` or below; returns how many."""
-    leftovers = list(Path(folder).rglob(f".*{TEMPORARY_SUFFIX}"))
+    """Removes temporary files that a killed run left in `folder` or below; returns how many.
+
+    Those of a process that lives on this machine stay, and those of other machines for a day.
+    """
+    leftovers = [
+        path for path in Path(folder).rglob(f".*{TEMPORARY_SUFFIX}*") if not _may_be_in_use(path)
+    ]
     for path in leftovers:
         path.unlink(missing_ok=True)
     return len(leftovers)
+
+
+def _may_be_in_use(path: Path) -> bool:
+    owner = _OWNER.search(path.name)
+    if owner is None:
+        return False
+    if owner[2] == socket.gethostname():
+        return _is_alive(int(owner[1]))
+    try:
+        return time.time() - path.stat().st_mtime < _LONGEST_WRITE_SECONDS
+    except FileNotFoundError:
+        return False  # finished meanwhile
+
+
+def _is_alive(process_id: int) -> bool:
+    try:
+        # Empty for one that has ended but that its parent has not asked about.
+        return Path(f"/proc/{process_id}/cmdline").read_bytes() != b""
+    except OSError:
+        return False

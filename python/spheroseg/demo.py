@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 import spheroseg
+from spheroseg import mesh_files
 from spheroseg.render import render_labels, write_png
 
 SUBMESH_COUNT = 200
@@ -41,7 +42,7 @@ def main(output: Path) -> None:
     measures = mesh_set.compute_scalar_by_balanced_segmentation_per_face(
         submesh_count=SUBMESH_COUNT
     )
-    mesh_set.save_current_mesh(str(mesh_path), save_face_quality=True, save_face_color=True)
+    mesh_files.save_ply(mesh_set, mesh_path)
 
     mesh = mesh_set.current_mesh()
     image = render_labels(

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes meshes and labels so that face i stays face i."""
 
+import errno
+import io
 import os
 import re
 import warnings
@@ -9,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 
+from spheroseg import atomic
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
 from spheroseg.file_checks import check_before_reading
@@ -70,34 +73,31 @@ def declared_face_count(path: Path) -> int | None:
 
 
 def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
-    """Writes the current mesh as binary PLY with the attributes that it has."""
+    """Writes the current mesh as binary PLY with the attributes that it has, and its textures
+    unless a file of such a name is there.
+
+    By MeshLab's writer, which keeps texture coordinates but says nothing about a full disk: so the
+    file is read again before it takes its place.
+    """
     mesh = mesh_set.current_mesh()
-    try:
-        mesh_set.save_current_mesh(
-            str(path),
-            save_vertex_color=mesh.has_vertex_color(),
-            save_vertex_quality=mesh.has_vertex_scalar(),
-            save_face_color=mesh.has_face_color(),
-            save_face_quality=mesh.has_face_scalar(),
-        )
-    except pymeshlab.PyMeshLabException as error:
-        forget_failed_call()
-        raise InputError(f"{path}: can not be written: {_reason(str(error))}") from None
-
-
-def save_bare_ply(vertices: np.ndarray, faces: np.ndarray, path: str | os.PathLike) -> None:
-    """Writes vertices and triangles alone as binary PLY, coordinates in double precision."""
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(vertices)}\n"
-        "property double x\nproperty double y\nproperty double z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    triangles = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
-    triangles["count"] = 3
-    triangles["corners"] = faces
-    body = np.ascontiguousarray(vertices, dtype="<f8").tobytes() + triangles.tobytes()
-    Path(path).write_bytes(header.encode() + body)
+    folder = Path(path).resolve().parent
+    with atomic.atomic_path(path, ".ply") as temporary:
+        temporary.touch()  # fails with the reason
+        try:
+            mesh_set.save_current_mesh(
+                str(temporary),
+                save_textures=not any((folder / name).exists() for name in mesh.textures()),
+                save_vertex_color=mesh.has_vertex_color(),
+                save_vertex_quality=mesh.has_vertex_scalar(),
+                save_face_color=mesh.has_face_color(),
+                save_face_quality=mesh.has_face_scalar(),
+            )
+            read_mesh(temporary)
+        except (pymeshlab.PyMeshLabException, InputError) as error:
+            forget_failed_call()
+            raise OSError(
+                errno.EIO, "could not be written whole; is the disk full?", str(path)
+            ) from error
 
 
 def read_labels(path: str | os.PathLike) -> np.ndarray:
@@ -137,9 +137,16 @@ def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:
     labels = labels.astype(np.int32)
     path = Path(path)
     if path.suffix.lower() == ".npy":
-        np.save(path, labels)
+        atomic.write_bytes(path, npy_bytes(labels))
     else:
-        path.write_text("".join(f"{label}\n" for label in labels))
+        atomic.write_text(path, "".join(f"{label}\n" for label in labels))
+
+
+def npy_bytes(array: np.ndarray) -> bytes:
+    """The array as a .npy file."""
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
 
 
 def set_labels(mesh_set: pymeshlab.MeshSet, labels: np.ndarray) -> None:

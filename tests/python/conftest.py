@@ -2,6 +2,7 @@
 """Meshes that the Python tests share."""
 
 import os
+import subprocess
 
 import hypothesis
 import numpy as np
@@ -28,6 +29,18 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 def sample_arrays():
     """Vertices and faces of every sample mesh, by file name."""
     return {path.name: load_arrays(path) for path in SAMPLES}
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A folder with room for 256 KiB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("mounting a small disk needs root")
+    yield disk
+    subprocess.run(["umount", str(disk)], check=True)
 
 
 @pytest.fixture

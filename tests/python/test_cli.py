@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The commands segment, parametrize and measure, and how the command line reports errors."""
 
+import contextlib
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -173,6 +175,75 @@ def test_the_version_is_the_packages(run):
     assert run("--version")[:2] == (0, f"spheroseg {spheroseg.__version__}\n")
 
 
+def test_the_file_of_labels_has_the_name_that_was_given(run, tmp_path):
+    assert run("segment", CUBE, "-k", "2", "--labels", tmp_path / "OUT.NPY", "-q") == (0, "", "")
+    assert [path.name for path in tmp_path.iterdir()] == ["OUT.NPY"]
+    assert np.bincount(np.load(tmp_path / "OUT.NPY")).tolist() == [6, 6]
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "name"),
+    [
+        ("segment", "-o", "mesh.ply"),
+        ("segment", "-o", "other.ply"),
+        ("segment", "--labels", "labels.npy"),
+        ("segment", "--labels", "labels.txt"),
+        ("segment", "--json", "report.json"),
+        ("parametrize", "-o", "mesh.ply"),
+    ],
+)
+def test_a_full_disk_is_an_error_and_spoils_no_file(run, small_disk, command, option, name):
+    mesh, output = small_disk / "mesh.ply", small_disk / name
+    mesh.write_bytes(LEAF.read_bytes())
+    if output != mesh:
+        output.write_text("old")
+    before = output.read_bytes()
+    with contextlib.suppress(OSError), (small_disk / "filler").open("wb", buffering=0) as filler:
+        while True:
+            filler.write(bytes(4096))
+    code, _, errors = run(command, mesh, option, output, "-q")
+    assert code == 2
+    assert errors.count("\n") == 1
+    assert str(output) in errors
+    assert "disk" in errors
+    assert output.read_bytes() == before
+    assert sorted(path.name for path in small_disk.iterdir()) == sorted(
+        {"filler", "mesh.ply", name}
+    )
+
+
+def test_a_mesh_that_is_not_whole_on_the_disk_is_an_error(run, tmp_path, monkeypatch):
+    save = pymeshlab.MeshSet.save_current_mesh
+
+    def save_half(mesh_set, path, **options):
+        save(mesh_set, path, **options)
+        os.truncate(path, os.path.getsize(path) - 1)  # noqa: PTH202
+
+    monkeypatch.setattr(pymeshlab.MeshSet, "save_current_mesh", save_half)
+    (tmp_path / "out.ply").write_text("old")
+    code, _, errors = run("segment", CUBE, "-k", "2", "-o", tmp_path / "out.ply", "-q")
+    assert (code, errors.count("\n")) == (2, 1)
+    assert f"{tmp_path / 'out.ply'}: could not be written whole; is the disk full?" in errors
+    assert (tmp_path / "out.ply").read_text() == "old"
+
+
+def test_a_mesh_may_be_replaced_and_its_texture_stays(run, tmp_path):
+    for name in ("bunny10k_textured.obj", "bunny10k_textured.mtl", "TextureDouble_A.png"):
+        shutil.copy(PYMESHLAB_MESHES[0].parent / name, tmp_path)
+    texture = (tmp_path / "TextureDouble_A.png").read_bytes()
+    few = ("-k", "5", "--effort", "draft", "-q")
+    assert (
+        run("segment", tmp_path / "bunny10k_textured.obj", *few, "-o", tmp_path / "o.ply")[0] == 0
+    )
+    assert run("segment", tmp_path / "o.ply", *few, "-o", tmp_path / "o.ply")[0] == 0
+    assert b"list uchar float texcoord" in (tmp_path / "o.ply").read_bytes()
+    assert (tmp_path / "TextureDouble_A.png").read_bytes() == texture
+    (tmp_path / "new").mkdir()
+    assert run("segment", tmp_path / "o.ply", *few, "-o", tmp_path / "new" / "o.ply")[0] == 0
+    names = {path.name for path in (tmp_path / "new").iterdir()}
+    assert names == {"o.ply", "TextureDouble_A.png"}
+
+
 def cube_text(old="", new=""):
     return CUBE.read_text().replace(old, new, 1)
 
@@ -215,6 +286,7 @@ BAD_CALLS = {
     "hole": (["segment", "hole.obj", "--method", "all_pairs"], "3 open border edges"),
     "hole, sphere": (["parametrize", "hole.obj", "-o", "s.ply"], "3 open border edges"),
     "output name": (["segment", CUBE, "-o", "o.txt"], "must end in .ply"),
+    "output device": (["segment", CUBE, "-o", "full.ply"], "full.ply: is no ordinary file"),
     "output folder": (["segment", CUBE, "-o", "no/o.ply"], "there is no folder"),
     "label name": (["segment", CUBE, "--labels", "l.csv"], ".npy or .txt"),
     "no output": (["parametrize", CUBE], "required: -o"),
@@ -233,6 +305,7 @@ def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     for name, text in BAD_FILES.items():
         (tmp_path / name).write_text(text)
+    (tmp_path / "full.ply").symlink_to("/dev/full")
     arguments, message = BAD_CALLS[case]
     code, shown, errors = run(*arguments)
     assert code == 2

@@ -10,7 +10,8 @@ from host_meshes import SEGMENTATION, document, state
 from surfaces import globe, joined, soup, spheres
 
 import spheroseg
-from spheroseg import cli, mesh_files
+from spheroseg import cli
+from spheroseg.ply import ply_bytes
 
 VERTICES, FACES = globe(8, 6)  # 80 faces, 42 vertices
 
@@ -124,7 +125,7 @@ def test_arrays_are_refused_with_the_same_words(case):
 @pytest.mark.parametrize("case", REFUSED.values(), ids=REFUSED)
 def test_the_command_line_ends_with_2_and_one_line(case, tmp_path, capsys):
     path = tmp_path / "mesh.ply"
-    mesh_files.save_bare_ply(case.vertices, case.faces, path)
+    path.write_bytes(ply_bytes(case.vertices, case.faces))
     output = tmp_path / "labels.npy"
     code = cli.main(["segment", str(path), "-k", str(case.submesh_count), "--labels", str(output)])
     shown, errors = capsys.readouterr()

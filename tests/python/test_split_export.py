@@ -1,18 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import contextlib
 import errno
 import json
 import os
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pymeshlab
 import pytest
 from judge import Judge
+from mesh_paths import REPOSITORY
 from shapes import bumpy_sphere, octahedron
 from surfaces import SURFACES
 
 from spheroseg import atomic
+from spheroseg.batch import inputs
 from spheroseg.cli import main
 from spheroseg.export import export, glb_bytes, vertex_normals
 from spheroseg.palette import colour_indices, palette
@@ -302,14 +308,60 @@ def test_full_disk_is_said_with_the_file(tmp_path):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
+def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path):
+    (tmp_path / "far").mkdir()
+    (tmp_path / "far" / "result.txt").write_text("old")
+    (tmp_path / "link.txt").symlink_to(tmp_path / "far" / "result.txt")
+    atomic.write_text(tmp_path / "link.txt", "new")
+    assert (tmp_path / "link.txt").is_symlink()
+    assert (tmp_path / "far" / "result.txt").read_text() == "new"
+
+
+def test_an_error_names_the_file_that_was_wanted(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught:
+        atomic.write_text(tmp_path / "none" / "result.txt", "")
+    assert caught.value.filename == str(tmp_path / "none" / "result.txt")
+
+
+@contextlib.contextmanager
+def killed_while_it_writes(folder):
+    """After a process was killed that wrote `folder/mesh.ply`; nobody has asked about it yet."""
+    script = "import os, sys\nfrom spheroseg import atomic\n"
+    script += "with atomic.atomic_path(sys.argv[1]) as temporary:\n"
+    script += "    temporary.write_text('half')\n    os.kill(os.getpid(), 9)\n"
+    environment = dict(os.environ, PYTHONPATH=str(REPOSITORY / "python"))
+    command = [sys.executable, "-c", script, str(folder / "mesh.ply")]
+    with subprocess.Popen(command, env=environment) as process:
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        yield
+
+
 def test_leftovers_of_a_killed_run_are_removed(tmp_path):
     (tmp_path / "deep").mkdir()
-    leftover = tmp_path / "deep" / f".mesh.ply.123{atomic.TEMPORARY_SUFFIX}"
-    leftover.write_text("half")
     (tmp_path / "mesh.ply").write_text("whole")
-    assert atomic.remove_leftovers(tmp_path) == 1
-    assert not leftover.exists()
+    with killed_while_it_writes(tmp_path / "deep"):
+        assert len(list((tmp_path / "deep").iterdir())) == 1
+        assert atomic.remove_leftovers(tmp_path) == 1
+    assert not list((tmp_path / "deep").iterdir())
     assert (tmp_path / "mesh.ply").exists()
+
+
+def test_what_another_process_is_writing_is_left_alone(tmp_path):
+    (tmp_path / "whole.ply").touch()
+    with atomic.atomic_path(tmp_path / "mesh.ply", ".ply") as temporary:
+        temporary.write_text("half")
+        assert atomic.remove_leftovers(tmp_path) == 0
+        assert [source.name for source in inputs.collect([str(tmp_path)])] == ["whole"]
+    assert (tmp_path / "mesh.ply").read_text() == "half"
+
+
+def test_what_another_machine_is_writing_is_left_alone_for_a_day(tmp_path):
+    part = tmp_path / f".mesh.ply.123@another.host{atomic.TEMPORARY_SUFFIX}"
+    part.touch()
+    assert atomic.remove_leftovers(tmp_path) == 0
+    day_ago = time.time() - 24 * 3600 - 60
+    os.utime(part, (day_ago, day_ago))
+    assert atomic.remove_leftovers(tmp_path) == 1
 
 
 @pytest.fixture

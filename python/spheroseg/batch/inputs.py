@@ -7,6 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from spheroseg import atomic
 from spheroseg.errors import InputError
 
 MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
@@ -45,7 +46,7 @@ def _expand(text: str, output: Path | None):
     if path.is_dir():
         for mesh in sorted(path.rglob("*")):
             is_mesh = mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file()
-            if is_mesh and not _is_result(mesh, path, output):
+            if is_mesh and not (_is_result(mesh, path, output) or atomic.is_temporary(mesh)):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
     elif path.suffix.lower() == ".csv":
         yield from _from_csv(path)

@@ -5,7 +5,6 @@ Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the d
 """
 
 import ctypes
-import io
 import json
 import os
 import signal
@@ -75,15 +74,9 @@ def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
         properties = {"quality": labels.astype(np.float32)} | colour_properties(colours)
         return ply_bytes(vertices, faces, face_properties=properties)
     if suffix == ".npy":
-        return _npy_bytes(labels)
+        return mesh_files.npy_bytes(labels)
     submeshes = split_into_submeshes(vertices, faces, labels)
     return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes)
-
-
-def _npy_bytes(labels: np.ndarray) -> bytes:
-    buffer = io.BytesIO()
-    np.save(buffer, labels)
-    return buffer.getvalue()
 
 
 def _end_with_parent() -> None:

@@ -4,8 +4,9 @@
 SPHERE.ply has the mesh's vertices and faces in their order, each vertex at its place on the sphere.
 """
 
-from spheroseg import api, mesh_files
+from spheroseg import api, atomic, mesh_files
 from spheroseg.commands import shared
+from spheroseg.ply import ply_bytes
 
 
 def add_arguments(parser):
@@ -21,6 +22,6 @@ def run(arguments) -> int:
         mesh_set, arguments.mesh, "Parametrizing", api.PARAMETRIZE_FILTER
     )
     faces = mesh_set.current_mesh().face_matrix()
-    mesh_files.save_bare_ply(api.sphere_positions(mesh_set), faces, arguments.output)
+    atomic.write_bytes(arguments.output, ply_bytes(api.sphere_positions(mesh_set), faces))
     shared.report(arguments, measures)
     return 0

@@ -10,7 +10,7 @@ import pymeshlab
 from rich.console import Console
 from rich.table import Table
 
-from spheroseg import __version__, api
+from spheroseg import __version__, api, atomic
 from spheroseg.errors import InputError
 from spheroseg.progress import filter_progress
 
@@ -32,6 +32,8 @@ def check_output(path: str | None, *suffixes: str) -> None:
         raise InputError(f"{path}: there is no folder {Path(path).parent}")
     if Path(path).is_dir():
         raise InputError(f"{path}: is a folder")
+    if Path(path).exists() and not Path(path).is_file():
+        raise InputError(f"{path}: is no ordinary file; name another one")
 
 
 def check_outputs(arguments) -> None:
@@ -55,7 +57,7 @@ def report(arguments, measures: dict[str, Any]) -> None:
     """Writes the JSON file that was asked for and prints the table of measures."""
     if arguments.json:
         content = {"mesh": arguments.mesh, "version": __version__, **plain(measures)}
-        Path(arguments.json).write_text(json.dumps(content, indent=2) + "\n")
+        atomic.write_text(arguments.json, json.dumps(content, indent=2) + "\n")
     if not arguments.quiet:
         print_measures(measures)
 

@@ -41,10 +41,8 @@ def draw(
         direction, up = _view(vertices)
         plotter.view_vector(direction, viewup=up)
         plotter.camera.zoom(1.15)
-        with atomic.atomic_path(path) as temporary:
-            png = temporary.with_suffix(".png")
-            plotter.screenshot(str(png))
-            png.replace(temporary)
+        with atomic.atomic_path(path, ".png") as temporary:
+            plotter.screenshot(str(temporary))
     finally:
         plotter.close()
 
