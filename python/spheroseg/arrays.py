@@ -32,15 +32,16 @@ def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:
     return array.astype(np.int32, order="C")
 
 
-def as_labels(labels: ArrayLike, face_count: int) -> np.ndarray:
-    """A (face_count,) array of int32, none negative."""
+def as_labels(labels: ArrayLike, face_count: int, submesh_count: int | None = None) -> np.ndarray:
+    """A (face_count,) array of int32 in [0, submesh_count), or not negative where that is None."""
     array = _whole("labels", _numeric("labels", labels, (), "(F,)"))
     if len(array) != face_count:
         raise InputError(f"labels must have one entry per face: {face_count}, got {len(array)}")
-    bad = np.flatnonzero((array < 0) | (array >= 2**31))
+    limit, shown = (2**31, "2^31") if submesh_count is None else (submesh_count, submesh_count)
+    bad = np.flatnonzero((array < 0) | (array >= limit))
     if len(bad):
         raise InputError(
-            f"labels must be whole numbers in [0, 2^31); face {bad[0]} has {array[bad[0]]}"
+            f"labels must be whole numbers in [0, {shown}); face {bad[0]} has {array[bad[0]]}"
         )
     return array.astype(np.int32)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from spheroseg.arrays import as_labels
 from spheroseg.baselines.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 
@@ -66,7 +67,9 @@ def split_into_submeshes(
     O(F log F). Raises InputError when the shapes differ or a label is out of range.
     """
     faces = np.asarray(faces)
-    labels = checked_labels(labels, len(faces), submesh_count)
+    if len(faces) == 0:
+        raise InputError("the mesh has no triangles")
+    labels = as_labels(labels, len(faces), submesh_count)
     if submesh_count is None:
         submesh_count = int(labels.max()) + 1
     source_triangles = np.argsort(labels, kind="stable").astype(np.int32)
@@ -91,28 +94,6 @@ def split_into_submeshes(
         neighbours=neighbours,
         shared_edges=shared_edges,
     )
-
-
-def checked_labels(labels, face_count: int, submesh_count: int | None = None) -> np.ndarray:
-    """Labels as int32, or an InputError that says what is wrong with them."""
-    labels = np.asarray(labels)
-    if labels.shape != (face_count,):
-        raise InputError(
-            f"there must be one label per triangle, {face_count} in all, but the labels have the "
-            f"shape {labels.shape}"
-        )
-    if face_count == 0:
-        raise InputError("the mesh has no triangles")
-    wrong = ~(np.isfinite(labels) & (labels >= 0) & (labels == np.floor(labels)))
-    if submesh_count is not None:
-        wrong |= labels >= submesh_count
-    if wrong.any():
-        index = int(np.argmax(wrong))
-        upper = "" if submesh_count is None else f" below {submesh_count}"
-        raise InputError(
-            f"labels must be whole numbers from 0{upper}, but triangle {index} has {labels[index]}"
-        )
-    return labels.astype(np.int32)
 
 
 def _starts(owner: np.ndarray, count: int) -> np.ndarray:

@@ -107,10 +107,12 @@ def test_indices_are_short_where_they_fit(vertex_count):
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
-        ([0] * 7, r"8 in all, but the labels have the shape \(7,\)"),
-        ([0, 0, 0, -1, 0, 0, 0, 0], "triangle 3 has -1"),
-        ([0, 0.5, 0, 0, 0, 0, 0, 0], "triangle 1 has 0.5"),
-        ([0, 0, np.nan, 0, 0, 0, 0, 0], "triangle 2 has nan"),
+        ([0] * 7, "one entry per face: 8, got 7"),
+        ([0, 0, 0, -1, 0, 0, 0, 0], "face 3 has -1"),
+        ([0, 0.5, 0, 0, 0, 0, 0, 0], r"the entry at \(1,\) is 0.5"),
+        ([0, 0, np.nan, 0, 0, 0, 0, 0], r"the entry at \(2,\) is nan"),
+        ([0, 0, 0, 0, 2**31, 0, 0, 0], f"face 4 has {2**31}"),
+        ([0, 0, 0, 0, 0, 2.0**40, 0, 0], "face 5 has 1099511627776.0"),
     ],
 )
 def test_wrong_labels_are_named(labels, message):
@@ -119,7 +121,7 @@ def test_wrong_labels_are_named(labels, message):
 
 
 def test_label_beyond_the_given_count_is_named():
-    with pytest.raises(ValueError, match="from 0 below 2, but triangle 7 has 2"):
+    with pytest.raises(ValueError, match=r"in \[0, 2\); face 7 has 2"):
         split_into_submeshes(*octahedron(), [0] * 7 + [2], submesh_count=2)
 
 
@@ -371,6 +373,12 @@ def labelled_files(labelled, tmp_path):
     quality = {"quality": labels.astype(np.float32)}
     (tmp_path / "own.ply").write_bytes(ply_bytes(vertices, faces, face_properties=quality))
     np.save(tmp_path / "labels.npy", labels)
+    half = {"quality": np.full(len(faces), 0.5, dtype=np.float32)}
+    (tmp_path / "half.ply").write_bytes(ply_bytes(vertices, faces, face_properties=half))
+    vertices, faces = octahedron()
+    finned = np.vstack([vertices, [[3.0, 3.0, 3.0]]]), np.vstack([faces, [[*faces[0][:2], 6]]])
+    (tmp_path / "fin.ply").write_bytes(ply_bytes(*finned))
+    np.savetxt(tmp_path / "labels9.txt", np.arange(9) // 5, fmt="%d")
     return tmp_path
 
 
@@ -402,6 +410,10 @@ def test_split_command_segments_a_bare_mesh(labelled_files, monkeypatch):
         (["export", "bare.ply", "--labels", "labels.npy", "-k", "2", "-o", "o.npz"], "--labels"),
         (["split", "own.ply", "-o", "."], "must be a new or an empty folder"),
         (["split", "gone.ply", "-o", "parts"], "gone.ply: no such file"),
+        (["split", "fin.ply", "--labels", "labels9.txt", "-o", "p"], "fin.ply: the edge between"),
+        (["split", "own.ply", "--labels", "labels9.txt", "-o", "p"], "labels9.txt: labels must"),
+        (["measure", "own.ply", "--labels", "labels9.txt"], "labels9.txt: labels must have one"),
+        (["export", "half.ply", "-o", "o.npz"], "half.ply: labels must be whole numbers"),
     ],
 )
 def test_commands_refuse_in_one_line(arguments, message, labelled_files, monkeypatch, capsys):

@@ -49,13 +49,13 @@ def read(arguments) -> LabelledMesh:
     try:
         submeshes = split_into_submeshes(vertices, mesh.face_matrix(), labels)
     except ValueError as error:
-        raise InputError(f"{arguments.labels or arguments.mesh}: {error}") from None
+        raise InputError(f"{arguments.mesh}: {error}") from None
     return LabelledMesh(vertices, submeshes, _face_colours(mesh))
 
 
 def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray:
     if arguments.labels:
-        return mesh_files.read_labels(arguments.labels)
+        return shared.read_labels(arguments.labels, mesh_set)
     if options:
         shared.run_with_progress(
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options

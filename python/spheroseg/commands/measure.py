@@ -5,7 +5,6 @@ LABELS hold one whole number per triangle, in the order of the file.
 """
 
 from spheroseg import api, mesh_files
-from spheroseg.arrays import as_labels
 from spheroseg.commands import shared
 from spheroseg.errors import InputError
 
@@ -21,7 +20,7 @@ def run(arguments) -> int:
     mesh_set = mesh_files.read_mesh(arguments.mesh)
     mesh = mesh_set.current_mesh()
     if arguments.labels:
-        labels = as_labels(mesh_files.read_labels(arguments.labels), mesh.face_number())
+        labels = shared.read_labels(arguments.labels, mesh_set)
         mesh_set = api.labelled_mesh_set(mesh.vertex_matrix(), mesh.face_matrix(), labels)
     elif not mesh.has_face_scalar():
         raise InputError(

@@ -6,7 +6,6 @@ LABELS hold one whole number per triangle, in the order of the file.
 """
 
 from spheroseg import api, mesh_files
-from spheroseg.arrays import as_labels
 from spheroseg.commands import shared
 
 
@@ -87,9 +86,7 @@ def run(arguments) -> int:
     if arguments.weights:
         api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
     if arguments.initial_labels:
-        labels = mesh_files.read_labels(arguments.initial_labels)
-        face_count = mesh_set.current_mesh().face_number()
-        mesh_files.set_labels(mesh_set, as_labels(labels, face_count))
+        mesh_files.set_labels(mesh_set, shared.read_labels(arguments.initial_labels, mesh_set))
         options["initial_labels"] = "face_quality"
     measures = shared.run_with_progress(
         mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options

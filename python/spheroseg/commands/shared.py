@@ -10,7 +10,8 @@ import pymeshlab
 from rich.console import Console
 from rich.table import Table
 
-from spheroseg import __version__, api, atomic
+from spheroseg import __version__, api, atomic, mesh_files
+from spheroseg.arrays import as_labels
 from spheroseg.errors import InputError
 from spheroseg.progress import filter_progress
 
@@ -40,6 +41,15 @@ def check_outputs(arguments) -> None:
     check_output(arguments.output, ".ply")
     check_output(getattr(arguments, "labels", None), *_LABEL_SUFFIXES)
     check_output(arguments.json, ".json")
+
+
+def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
+    """Labels for the current mesh from a file; what is wrong with them gets its name in front."""
+    labels = mesh_files.read_labels(path)
+    try:
+        return as_labels(labels, mesh_set.current_mesh().face_number())
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def run_with_progress(
