@@ -179,6 +179,24 @@ def test_pictures_show_boundaries_and_red_bowties(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["picture.png"]
 
 
+def test_meshes_of_like_names_keep_their_own_files(tmp_path):
+    pytest.importorskip("pymetis")
+    for name, seed in (("a/b.ply", 1), ("a_b.ply", 2)):
+        (tmp_path / "in" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "in" / name).write_bytes(ply_bytes(*bumpy_sphere(2, seed)))
+    output = tmp_path / "out"
+    assert evaluate(tmp_path / "in", output, methods=("all_pairs", "metis_kway")) == 0
+    assert {row["mesh"] for row in results(output)} == {"a/b", "a_b"}
+    for row in results(output):
+        with np.load(output / "labels" / f"{row['mesh']}.npz") as arrays:
+            faces = arrays["faces"]
+        labels = np.load(output / "labels" / row["labels"])
+        edges = recount.measures(faces, labels)["boundary_edge_count"]
+        assert edges == row["boundary_edge_count"]
+    assert len(list((output / "pictures").rglob("*.png"))) == 8
+    assert len(list((output / "plots" / "iterations").rglob("*.svg"))) == 4
+
+
 def test_all_pairs_is_left_out_above_its_limit_and_says_so(tmp_path):
     write_inputs(tmp_path / "in")
     options = ("--all-pairs-limit", "511")

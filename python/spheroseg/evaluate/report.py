@@ -139,16 +139,15 @@ def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
         title = f"{row['mesh']}, k = {row['submesh_count']}: {titles[row['method']]}"
         svg = plots.iterations(row, title)
         if svg:
-            files[f"iterations-{_stem(row)}"] = svg
+            files[f"iterations/{_stem(row)}"] = svg
             if row["submesh_count"] == largest_k:
                 iteration_plots.append(svg)
     same_k = [row for row in done if row["submesh_count"] == largest_k]
     memory = plots.shared_memory(same_k, titles) if same_k else ""
     quality = plots.quality_and_time(done, titles) if done else ""
     files |= {"shared-memory": memory, "quality-and-time": quality}
-    (folder / "plots").mkdir(exist_ok=True)
     for name, svg in files.items():
-        atomic.write_text(folder / "plots" / f"{name}.svg", svg)
+        atomic.write_text(_made(folder / "plots" / f"{name}.svg"), svg)
     return {
         "iteration_plots": iteration_plots,
         "memory_plot": memory,
@@ -158,7 +157,6 @@ def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
 
 def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]:
     """Pictures, and the arrays of the 3D view for meshes up to the limit."""
-    (folder / "pictures").mkdir(exist_ok=True)
     galleries, index, blocks, too_large = [], [], [], []
     for number, name in enumerate(dict.fromkeys(row["mesh"] for row in done)):
         with np.load(folder / "labels" / f"{name}.npz") as arrays:
@@ -171,7 +169,7 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
             labels = np.load(folder / "labels" / row["labels"])
             parts = anatomy(faces, graph, labels, k)
             colours = _label_colours(vertices, faces, labels, k)
-            picture = folder / "pictures" / f"{_stem(row)}.png"
+            picture = _made(folder / "pictures" / f"{_stem(row)}.png")
             pictures.draw(vertices, faces, colours[labels], parts, picture)
             title = f"{METHODS[row['method']].title}, k = {k}"
             if not galleries or galleries[-1]["key"] != (name, k):
@@ -236,4 +234,10 @@ def _packed(array: np.ndarray, code: str) -> str:
 
 
 def _stem(row: dict) -> str:
-    return f"{row['mesh'].replace('/', '_')}-k{row['submesh_count']}-{row['method']}"
+    return f"{row['mesh']}-k{row['submesh_count']}-{row['method']}"
+
+
+def _made(path: Path) -> Path:
+    """The path, after making its folder: a mesh's name may have folders in it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path

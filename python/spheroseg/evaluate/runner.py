@@ -33,7 +33,6 @@ def evaluate(
 ) -> tuple[list[dict], list[str]]:
     """All rows, and a line per mesh that failed. `on_mesh` gets each mesh's name and failure."""
     rows, failures = [], []
-    (folder / "labels").mkdir(parents=True, exist_ok=True)
     for source in sources:
         found, failure = _evaluate_one(source, plan, folder / "labels")
         rows += found
@@ -49,7 +48,7 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
         result = Path(scratch) / "rows.json"
         job = {
             "mesh": str(source.mesh),
-            "name": source.name.replace("/", "_"),
+            "name": source.name,
             "folder": str(folder),
             "rows": str(result),
             "submesh_counts": counts,

@@ -50,8 +50,9 @@ def evaluate_mesh(job: dict) -> list[dict]:
         graph = baselines.build_dual_graph(faces)
     except ValueError as error:
         raise InputError(str(error)) from None
-    folder = Path(job["folder"])
-    np.savez(folder / f"{job['name']}.npz", vertices=vertices, faces=faces)
+    arrays_path = Path(job["folder"]) / f"{job['name']}.npz"
+    arrays_path.parent.mkdir(parents=True, exist_ok=True)
+    np.savez(arrays_path, vertices=vertices, faces=faces)
     rows = []
     for k in job["submesh_counts"]:
         for name in job["methods"]:
