@@ -21,7 +21,7 @@ pytest.importorskip("matplotlib")
 from spheroseg.baselines import build_dual_graph
 from spheroseg.cli import main
 from spheroseg.errors import InputError
-from spheroseg.evaluate import paper, report
+from spheroseg.evaluate import paper, plots, report
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -195,6 +195,14 @@ def test_meshes_of_like_names_keep_their_own_files(tmp_path):
         assert edges == row["boundary_edge_count"]
     assert len(list((output / "pictures").rglob("*.png"))) == 8
     assert len(list((output / "plots" / "iterations").rglob("*.svg"))) == 4
+
+
+def test_a_name_with_dollar_signs_is_no_formula():
+    name = "price$_{1$"
+    details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}
+    assert name in plots.iterations({"details": details}, name)
+    row = {"mesh": name, "method": "metis_kway", "shared_memory_bytes": 1024}
+    assert name in plots.shared_memory([row], {"metis_kway": "METIS"})
 
 
 def test_all_pairs_is_left_out_above_its_limit_and_says_so(tmp_path):

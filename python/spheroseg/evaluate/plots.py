@@ -50,7 +50,7 @@ def iterations(row: dict, title: str) -> str | None:
             axis.set_xlabel("iteration")
             axis.set_ylabel(label)
             axis.set_yscale("log" if label.startswith("seconds") else "linear")
-        figure.suptitle(title, fontsize=10)
+        figure.suptitle(title, fontsize=10, parse_math=False)
         return _svg(figure)
 
 
@@ -69,7 +69,7 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
             }
             places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
             axis.bar(places, values.values(), width, label=titles[method], color=_colour(index))
-        axis.set_xticks(range(len(meshes)), meshes, rotation=20)
+        axis.set_xticks(range(len(meshes)), meshes, rotation=20, parse_math=False)
         axis.set_yscale("log")
         axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")
