@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import errno
 import math
+import os
 
 import numpy as np
 import pytest
@@ -174,6 +176,45 @@ def test_program_writes_the_document_and_resumes(tmp_path, capsys):
     assert program.main([*arguments, "--resume"]) == 0
     assert (tmp_path / "runs.csv").read_text() == first
     assert "  k " not in capsys.readouterr().out.split("written:")[1]
+
+
+def case(**changes) -> dict:
+    return row("fast_standard", 1, 1.0) | {"seed": 1, "threads": 2, "mesh_sha256": "a"} | changes
+
+
+def test_rows_of_other_threads_another_mesh_or_another_plugin_are_measured_again():
+    planned = [case(), case(seed=2, threads=4), case(seed=3, mesh_sha256="b")]
+    mine, other_case = case(plugin="p"), case(plugin="p", seed=9)
+    rows = [
+        mine,
+        other_case,
+        case(plugin="p", seed=2),
+        case(plugin="p", seed=3),
+        case(plugin="q"),
+        case(plugin="p", status="failed"),
+    ]
+    assert records.current(rows, planned, "p") == [mine, other_case]
+
+
+def test_earlier_rows_are_there_until_the_kept_ones_are(tmp_path, monkeypatch):
+    path = tmp_path / "runs.csv"
+    records.Records(path, [case(plugin="p"), case(plugin="p", seed=2)]).close()
+    before = path.read_text()
+    assert before.count("\n") == 3
+
+    def no_room(*_):
+        raise OSError(errno.ENOSPC, "no room")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", no_room)
+        with pytest.raises(OSError, match="no room"):
+            records.Records(path, [case(plugin="p")])
+    assert path.read_text() == before
+    store = records.Records(path, records.load(path))
+    store.add(case(plugin="p", seed=3))
+    store.close()
+    assert path.read_text().startswith(before)
+    assert [row["seed"] for row in records.load(path)] == [1, 2, 3]
 
 
 def test_sweep_counts_invalid_results(tmp_path):

@@ -11,7 +11,7 @@ from spheroseg import plugin_path
 from spheroseg.batch.jobs import sha256
 from spheroseg.bench import document, meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
-from spheroseg.bench.runner import run_mesh
+from spheroseg.bench.runner import row_of, run_mesh
 from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars, is_valid
 from spheroseg.evaluate import environment
 
@@ -72,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--more-meshes", type=Path, default=REPOSITORY.parent / "shared" / "meshes")
     add("--output", type=Path, default=REPOSITORY / "out" / "bench", help="folder of runs.csv")
     add("--docs", type=Path, help="folder of benchmarks.md; default: docs, or --output for a part")
-    add("--resume", action="store_true", help="keep rows that were made with this same plugin")
+    add("--resume", action="store_true", help="keep rows of this plugin, these meshes and threads")
     add("--report-only", action="store_true", help="write the document from the rows at hand")
     add("--validity-sweep", action="store_true", help="30 values of k per mesh, draft and standard")
     add("--sweep-count", type=int, default=30)
@@ -106,9 +106,9 @@ def _runs(options, mesh: meshes.BenchMesh) -> list[Run]:
 def _measure(work: list[tuple[meshes.BenchMesh, list[Run]]], options, commit: str) -> None:
     path = options.output / ("sweep.csv" if options.validity_sweep else "runs.csv")
     stamp = {"commit": commit, "plugin": sha256(plugin_path())[:12]}
-    kept = records.load(path) if options.resume else []
-    kept = [row for row in kept if row["plugin"] == stamp["plugin"] and row["status"] == "done"]
-    store = records.Records(path, kept)
+    planned = [row_of(mesh, run, options.threads) for mesh, runs in work for run in runs]
+    earlier = records.load(path) if options.resume else []
+    store = records.Records(path, records.current(earlier, planned, stamp["plugin"]))
     began = time.perf_counter()
     for number, (mesh, runs) in enumerate(work, 1):
         print(f"[{number}/{len(work)}] {mesh.name}, {mesh.triangle_count:,} triangles", flush=True)

@@ -2,6 +2,7 @@
 """The meshes of the benchmark: PyMeshLab's samples, ours, a folder of others, subdivided ones."""
 
 import fnmatch
+import functools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pymeshlab
 
 from spheroseg import mesh_files
+from spheroseg.batch.jobs import sha256
 
 PYMESHLAB_SAMPLES = ("cow.obj", "airplane.obj", "bone.ply", "bunny.obj")
 # Sample, and how often each triangle is split in four; the first is the series of the exponent.
@@ -29,6 +31,11 @@ class BenchMesh:
     def triangle_count(self) -> int:
         """By the file's header."""
         return (mesh_files.declared_face_count(Path(self.path)) or 0) * 4**self.levels
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """Of the file."""
+        return sha256(Path(self.path))[:12]
 
 
 def available(sample_folder: Path, more_folder: Path) -> tuple[list[BenchMesh], list[str]]:

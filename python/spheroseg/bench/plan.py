@@ -32,9 +32,6 @@ class Run:
     seed: int
     before: int = 0
 
-    def key(self, mesh: str) -> tuple:
-        return (mesh, self.method, self.submesh_count, self.measurement, self.seed)
-
     def as_job(self) -> dict:
         return asdict(self)
 

@@ -2,11 +2,14 @@
 """The CSV file of runs: written row by row, so that an interrupted benchmark goes on."""
 
 import csv
+import io
+from collections.abc import Iterable
 from pathlib import Path
 
+from spheroseg import atomic
 from spheroseg.bench.statistics import STAGES
 
-WORDS = ("mesh", "method", "measurement", "status", "error", "commit", "plugin")
+WORDS = ("mesh", "method", "measurement", "status", "error", "commit", "mesh_sha256", "plugin")
 COLUMNS = (
     "mesh",
     "triangle_count",
@@ -28,9 +31,11 @@ COLUMNS = (
     "peak_bytes",
     "error",
     "commit",
+    "mesh_sha256",
     "plugin",
 )
-KEY = ("mesh", "method", "submesh_count", "measurement", "seed")
+CASE = ("mesh", "method", "submesh_count", "measurement", "seed")
+KEY = (*CASE, "threads", "mesh_sha256")
 
 
 class Records:
@@ -40,11 +45,14 @@ class Records:
         self.rows = rows
         self._keys = {key_of(row) for row in rows}
         path.parent.mkdir(parents=True, exist_ok=True)
-        self._stream = path.open("w", newline="")
-        self._writer = csv.DictWriter(self._stream, COLUMNS, lineterminator="\n")
-        self._writer.writeheader()
-        self._writer.writerows(rows)
-        self._stream.flush()
+        kept = io.StringIO()
+        writer = _writer(kept)
+        writer.writeheader()
+        writer.writerows(rows)
+        # The earlier rows are there until the kept ones are.
+        atomic.write_text(path, kept.getvalue())
+        self._stream = path.open("a", newline="")
+        self._writer = _writer(self._stream)
 
     def __contains__(self, key: tuple) -> bool:
         return key in self._keys
@@ -59,8 +67,25 @@ class Records:
         self._stream.close()
 
 
+def _writer(stream) -> csv.DictWriter:
+    return csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+
+
 def key_of(row: dict) -> tuple:
     return tuple(row[name] for name in KEY)
+
+
+def current(rows: Iterable[dict], planned: Iterable[dict], plugin: str) -> list[dict]:
+    """The finished rows of this plugin, without those that `planned` ones replace: the same case,
+    but with other threads or another content of the mesh."""
+    keys = {tuple(row[name] for name in CASE): key_of(row) for row in planned}
+    return [
+        row
+        for row in rows
+        if row["plugin"] == plugin
+        and row["status"] == "done"
+        and keys.get(tuple(row[name] for name in CASE), key_of(row)) == key_of(row)
+    ]
 
 
 def load(path: Path) -> list[dict]:
@@ -69,7 +94,7 @@ def load(path: Path) -> list[dict]:
         return []
     with path.open(newline="") as stream:
         return [
-            {name: _value(name, text) for name, text in row.items()}
+            {name: _value(name, row.get(name) or "") for name in COLUMNS}
             for row in csv.DictReader(stream)
             if row.get("plugin")
         ]

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from spheroseg.batch.jobs import package_environment
 from spheroseg.bench.meshes import BenchMesh
 from spheroseg.bench.plan import Run
-from spheroseg.bench.records import Records
+from spheroseg.bench.records import Records, key_of
 
 OURS_PREFIX = "fast_"
 
@@ -25,7 +25,7 @@ def run_mesh(
 ) -> None:
     """Adds a row for each run that `records` do not hold yet. A run that ends its process is a
     failed one; the next runs go on in a new process."""
-    todo = [run for run in runs if run.key(mesh.name) not in records]
+    todo = [run for run in runs if key_of(row_of(mesh, run, thread_count)) not in records]
     # Memory is measured in a process that has done nothing else.
     for group in (
         [run for run in todo if run.measurement != "memory"],
@@ -34,7 +34,7 @@ def run_mesh(
         while group:
             done = 0
             for run, result in zip(group, _results(mesh, group, thread_count), strict=False):
-                row = _row(mesh, run, thread_count) | result | stamp
+                row = row_of(mesh, run, thread_count) | result | stamp
                 records.add(row)
                 on_row(row)
                 done += 1
@@ -64,10 +64,12 @@ def _results(mesh: BenchMesh, runs: list[Run], thread_count: int) -> Iterable[di
         yield {"status": "failed", "error": f"the process ended with {process.returncode}"}
 
 
-def _row(mesh: BenchMesh, run: Run, thread_count: int) -> dict:
+def row_of(mesh: BenchMesh, run: Run, thread_count: int) -> dict:
+    """What is known of a run before it is done."""
     is_ours = run.method.startswith(OURS_PREFIX)
     return {
         "mesh": mesh.name,
+        "mesh_sha256": mesh.digest,
         "triangle_count": mesh.triangle_count,
         "submesh_count": run.submesh_count,
         "method": run.method,
