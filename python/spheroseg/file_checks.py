@@ -6,6 +6,7 @@ ask for all memory or keep it busy for hours; and some damage ends the process.
 """
 
 import itertools
+import os
 import re
 from pathlib import Path
 
@@ -24,6 +25,15 @@ _PLURALS = {"vertex": "vertices", "face": "faces"}
 _STL_HEADER_BYTES = 84
 _STL_FACE_BYTES = 50
 _STL_SAMPLE_BYTES = 1000
+
+
+def check_name(path: Path) -> None:
+    """Raises InputError for a name that is not UTF-8: PyMeshLab and tables take no other."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        shown = os.fsencode(path).decode(errors="backslashreplace")
+        raise InputError(f"{shown}: the name is not UTF-8; rename the file or folder") from None
 
 
 def check_before_reading(path: Path) -> None:

@@ -14,7 +14,7 @@ import pymeshlab
 from spheroseg import atomic
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_before_reading
+from spheroseg.file_checks import check_before_reading, check_name
 
 _HEADER_BYTES = 65536
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
@@ -28,6 +28,7 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     word, because labels would no longer line up with the file.
     """
     path = Path(path)
+    check_name(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     check_before_reading(path)

@@ -315,6 +315,36 @@ def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypa
     assert errors.startswith("spheroseg")
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["segment", "{}.obj", "-k", "2"],
+        ["segment", CUBE, "-k", "2", "-o", "{}.ply"],
+        ["segment", CUBE, "-k", "2", "--json", "{}/o.json"],
+        ["parametrize", CUBE, "-o", "{}.ply"],
+        ["batch", "folder", "-o", "out"],
+        ["batch", CUBE, "-o", "{}"],
+        ["evaluate", CUBE, "-o", "{}"],
+        ["split", CUBE, "-k", "2", "-o", "{}"],
+        ["export", CUBE, "-k", "2", "-o", "{}.npz"],
+    ],
+    ids=lambda arguments: f"{arguments[0]} {arguments[-2]}",
+)
+def test_a_name_that_is_not_utf_8_is_refused_before_any_work(run, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    name = os.fsdecode(b"m\xff")
+    for path in (tmp_path / f"{name}.obj", tmp_path / "folder" / f"{name}.obj"):
+        path.parent.mkdir(exist_ok=True)
+        shutil.copy(CUBE, path)
+    before = sorted(tmp_path.rglob("*"))
+    code, _, errors = run(*(str(argument).format(name) for argument in arguments))
+    assert code == 2
+    assert errors.count("\n") == 1
+    assert "m\\xff" in errors
+    assert "the name is not UTF-8" in errors
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 @pytest.mark.parametrize("arguments", [["segment", CUBE, "-k", 13], ["segment", "none.ply"], []])
 def test_the_program_itself_ends_with_exit_code_2_and_no_traceback(arguments):
     done = run_process(*arguments)

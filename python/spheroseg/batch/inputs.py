@@ -9,6 +9,7 @@ from pathlib import Path
 
 from spheroseg import atomic
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_name
 
 MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
 _COUNT_COLUMNS = ("submesh_count", "k")
@@ -37,6 +38,7 @@ def collect(inputs: list[str], output: Path | None = None) -> list[Source]:
         if not found:
             raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
         for source in found:
+            check_name(source.mesh.absolute())
             sources.setdefault((source.mesh.absolute(), source.submesh_count), source)
     return _with_unique_names(list(sources.values()))
 

@@ -19,6 +19,7 @@ from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import Job
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_name
 
 FORMATS = ("ply", "npy", "npz", "glb")
 
@@ -51,8 +52,9 @@ def run(arguments) -> int:
     workers = arguments.workers if arguments.workers is not None else cpu_count() or 1
     if workers < 1:
         raise InputError(f"--workers must be 1 or more, got {workers}")
-    jobs = _jobs(arguments, workers)
     folder = Path(arguments.output)
+    check_name(folder.absolute())
+    jobs = _jobs(arguments, workers)
     lists = [Path(text) for text in arguments.inputs]
     runner.prepare_folder(folder, jobs, lists, arguments.resume)
     atomic.remove_leftovers(folder)

@@ -16,6 +16,7 @@ from spheroseg.batch import inputs
 from spheroseg.errors import InputError
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
+from spheroseg.file_checks import check_name
 
 VIEWER_LIMIT = 120_000
 
@@ -49,10 +50,11 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
+    folder = Path(arguments.output)
+    check_name(folder.absolute())
     plan = _plan(arguments)
     sources = inputs.collect(arguments.inputs)
     report = _report_module()
-    folder = Path(arguments.output)
     folder.mkdir(parents=True, exist_ok=True)
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("Evaluating"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())

@@ -13,6 +13,7 @@ from rich.table import Table
 from spheroseg import __version__, api, atomic, mesh_files
 from spheroseg.arrays import as_labels
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_name
 from spheroseg.progress import filter_progress
 
 _LABEL_SUFFIXES = (".npy", ".txt")
@@ -27,6 +28,7 @@ def check_output(path: str | None, *suffixes: str) -> None:
     """Refuses a path that could not be written later, before any work is done."""
     if path is None:
         return
+    check_name(Path(path).resolve())
     if Path(path).suffix.lower() not in suffixes:
         raise InputError(f"{path}: the name must end in {' or '.join(suffixes)}")
     if not Path(path).parent.is_dir():

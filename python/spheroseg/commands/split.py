@@ -9,6 +9,7 @@ from pathlib import Path
 
 from spheroseg.commands import labelled
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_name
 from spheroseg.split import MANIFEST_NAME, write_split
 
 
@@ -19,6 +20,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     folder = Path(arguments.output)
+    check_name(folder.absolute())
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: must be a new or an empty folder")
     mesh = labelled.read(arguments)
