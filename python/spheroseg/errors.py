@@ -6,5 +6,9 @@ class InputError(ValueError):
     """A mesh, an array, a file or an option that can not be used."""
 
 
+class MissingPackageError(InputError, ImportError):
+    """Something that was asked for needs an optional package that is not installed."""
+
+
 class PluginError(ImportError):
     """The MeshLab plugin is missing or does not fit the installed PyMeshLab."""

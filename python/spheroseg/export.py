@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
 from spheroseg import atomic
 from spheroseg.errors import InputError
+from spheroseg.packages import require
 from spheroseg.palette import colour_indices, palette
 from spheroseg.submeshes import SubMeshes
 
@@ -27,6 +29,11 @@ def export(submeshes: SubMeshes, path: Path) -> None:
         raise InputError(f"'{path}' must end in one of {', '.join(FORMATS)}")
 
 
+def gltf_library() -> ModuleType:
+    """What writes `.glb` files. Raises MissingPackageError."""
+    return require("pygltflib", "a '.glb' file", "spheroseg[export]")
+
+
 def npz_bytes(submeshes: SubMeshes) -> bytes:
     """The arrays of `SubMeshes` under their own names, for `numpy.load`."""
     buffer = io.BytesIO()
@@ -41,13 +48,7 @@ def glb_bytes(submeshes: SubMeshes) -> bytes:
     sub-mesh has no primitive, as glTF allows no empty accessor. Corners that share a vertex share
     its normal within a sub-mesh only.
     """
-    try:
-        import pygltflib as gltf
-    except ImportError as error:
-        raise ImportError(
-            f"'.glb' files need the package 'pygltflib' ({error}); install it with "
-            "'pip install pygltflib' or export '.npz'"
-        ) from error
+    gltf = gltf_library()
     blob = _Blob(gltf)
     colours = colour_indices(submeshes.count, submeshes.neighbour_starts, submeshes.neighbours)
     primitives = []

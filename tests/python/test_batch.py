@@ -317,6 +317,28 @@ def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
     assert said.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("package", "options"),
+    [
+        ("pygltflib", ["--formats", "ply,glb"]),
+        ("pyarrow", ["--manifest", "parquet"]),
+        ("distributed", ["--scheduler", "tcp://127.0.0.1:1"]),
+    ],
+)
+def test_missing_package_is_said_before_the_first_mesh(
+    package, options, tmp_path, monkeypatch, capsys
+):
+    write_mesh(tmp_path / "a.ply")
+    monkeypatch.setitem(sys.modules, package, None)
+    output = tmp_path / "out"
+    assert main(["batch", str(tmp_path / "a.ply"), "-o", str(output), *options]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert f"needs the package '{package}'" in said
+    assert "pip install spheroseg[" in said
+    assert not output.exists()
+
+
 def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypatch):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
     dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")

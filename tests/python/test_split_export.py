@@ -394,6 +394,18 @@ def test_export_command_reads_labels_of_the_mesh_or_of_a_file(
         assert np.array_equal(stored["positions"], expected.positions)
 
 
+def test_glb_without_its_package_is_refused_in_one_line(labelled_files, monkeypatch, capsys):
+    monkeypatch.chdir(labelled_files)
+    monkeypatch.setitem(sys.modules, "pygltflib", None)
+    assert main(["export", "bare.ply", "-k", "0", "-o", "o.glb"]) == 2  # before the bad k
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "needs the package 'pygltflib'" in said
+    assert "pip install spheroseg[export]" in said
+    with pytest.raises(ImportError, match="pygltflib"):
+        glb_bytes(split_into_submeshes(*octahedron(), [0] * 8))
+
+
 def test_split_command_segments_a_bare_mesh(labelled_files, monkeypatch):
     monkeypatch.chdir(labelled_files)
     assert main(["split", "bare.ply", "-k", "6", "-o", "parts"]) == 0

@@ -3,23 +3,17 @@
 
 from __future__ import annotations
 
-import importlib
 from types import ModuleType
 
 import numpy as np
 
+from spheroseg import packages
 from spheroseg.baselines.dual_graph import DualGraph, build_dual_graph
 
 
 def require(package: str) -> ModuleType:
-    """Imports an optional library; the ImportError says how to get it."""
-    try:
-        return importlib.import_module(package)
-    except ImportError as error:
-        raise ImportError(
-            f"this baseline needs the package '{package}' ({error}); install it with "
-            f"'pip install {package}' or leave the baseline out"
-        ) from error
+    """Imports an optional library; the error says how to get it."""
+    return packages.require(package, "this baseline", package)
 
 
 def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None) -> DualGraph:

@@ -127,13 +127,8 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
 
 
 def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
-    try:
-        from distributed import Client, as_completed
-    except ImportError as error:
-        raise InputError(
-            f"--scheduler needs the package 'distributed' ({error}); install it with "
-            "'pip install spheroseg[batch]'"
-        ) from None
+    from distributed import Client, as_completed
+
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
         client = Client(scheduler, timeout="15s", set_as_default=False)
@@ -200,14 +195,9 @@ def _csv_text(rows: list[dict[str, Any]]) -> str:
 
 
 def _parquet_bytes(rows: list[dict[str, Any]]) -> bytes:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise InputError(
-            f"a Parquet manifest needs the package 'pyarrow' ({error}); install it with "
-            "'pip install spheroseg[batch]', or use --manifest csv"
-        ) from None
+    import pyarrow
+    from pyarrow import parquet
+
     sink = pyarrow.BufferOutputStream()
     parquet.write_table(pyarrow.Table.from_pylist(rows), sink)
     return sink.getvalue().to_pybytes()

@@ -19,7 +19,9 @@ from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import Job
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.errors import InputError
+from spheroseg.export import gltf_library
 from spheroseg.file_checks import check_name
+from spheroseg.packages import require
 
 FORMATS = ("ply", "npy", "npz", "glb")
 
@@ -54,6 +56,7 @@ def run(arguments) -> int:
         raise InputError(f"--workers must be 1 or more, got {workers}")
     folder = Path(arguments.output)
     check_name(folder.absolute())
+    _check_packages(arguments)
     jobs = _jobs(arguments, workers)
     lists = [Path(text) for text in arguments.inputs]
     runner.prepare_folder(folder, jobs, lists, arguments.resume)
@@ -99,6 +102,16 @@ def _jobs(arguments, workers: int) -> list[Job]:
         )
         for source in inputs.collect(arguments.inputs, Path(arguments.output))
     ]
+
+
+def _check_packages(arguments) -> None:
+    """All that is missing is said before the first mesh."""
+    if "glb" in arguments.formats.split(","):
+        gltf_library()
+    if arguments.manifest == "parquet":
+        require("pyarrow", "--manifest parquet", "spheroseg[batch]")
+    if arguments.scheduler:
+        require("distributed", "--scheduler", "spheroseg[batch]")
 
 
 def _own_options(options: dict, submesh_count: int | None) -> dict:

@@ -5,6 +5,7 @@ DIR/report.html is one file that works offline; results.csv, results.json, the p
 and all labels lie beside it. docs/evaluation.md tells what is measured and how.
 """
 
+import importlib
 import shlex
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ from spheroseg.errors import InputError
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
 from spheroseg.file_checks import check_name
+from spheroseg.packages import require
 
 VIEWER_LIMIT = 120_000
 
@@ -82,14 +84,6 @@ def _plan(arguments) -> runner.Plan:
 
 
 def _report_module():
-    try:
-        import jinja2  # noqa: F401
-        import pyvista  # noqa: F401
-
-        from spheroseg.evaluate import report
-    except ImportError as error:
-        raise InputError(
-            f"a report needs more packages ({error}); install them with "
-            "'pip install spheroseg[evaluate]'"
-        ) from None
-    return report
+    for package in ("jinja2", "matplotlib", "pyvista"):
+        require(package, "a report", "spheroseg[evaluate]")
+    return importlib.import_module("spheroseg.evaluate.report")

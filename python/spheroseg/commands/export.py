@@ -7,7 +7,7 @@ OUT.npz holds the arrays that docs/export.md lists, OUT.glb one primitive per su
 from pathlib import Path
 
 from spheroseg.commands import labelled, shared
-from spheroseg.export import FORMATS, export
+from spheroseg.export import FORMATS, export, gltf_library
 
 
 def add_arguments(parser):
@@ -19,6 +19,8 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     shared.check_output(arguments.output, *FORMATS)
+    if Path(arguments.output).suffix.lower() == ".glb":
+        gltf_library()
     submeshes = labelled.read(arguments).submeshes
     export(submeshes, Path(arguments.output))
     bits = 8 * submeshes.triangles.dtype.itemsize

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packages that only a part of this one needs."""
+
+import importlib
+from types import ModuleType
+
+from spheroseg.errors import MissingPackageError
+
+
+def require(package: str, purpose: str, install: str) -> ModuleType:
+    """Imports a package for `purpose`; a MissingPackageError says what to `pip install`."""
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise MissingPackageError(
+            f"{purpose} needs the package '{package}' ({error}); install it with "
+            f"'pip install {install}'"
+        ) from error
