@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import subprocess
 import sys
 from pathlib import Path
 
@@ -21,7 +22,7 @@ pytest.importorskip("matplotlib")
 from spheroseg.baselines import build_dual_graph
 from spheroseg.cli import main
 from spheroseg.errors import InputError
-from spheroseg.evaluate import paper, plots, report
+from spheroseg.evaluate import environment, paper, plots, report
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -203,6 +204,21 @@ def test_a_name_with_dollar_signs_is_no_formula():
     assert name in plots.iterations({"details": details}, name)
     row = {"mesh": name, "method": "metis_kway", "shared_memory_bytes": 1024}
     assert name in plots.shared_memory([row], {"metis_kway": "METIS"})
+
+
+def test_commit_is_that_of_this_package_and_not_of_a_repository_around_it(tmp_path, monkeypatch):
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@example.org"]
+    for command in (["init", "-q"], ["commit", "-q", "--allow-empty", "-m", "other"]):
+        subprocess.run([*git, *command], check=True)
+    installed = tmp_path / "venv" / "environment.py"
+    installed.parent.mkdir()
+    installed.touch()
+    monkeypatch.setattr(environment, "__file__", str(installed))
+    assert environment.surroundings()["commit"] == "unknown (not a checkout)"
+    subprocess.run([*git, "add", "."], check=True)
+    subprocess.run([*git, "commit", "-q", "-m", "ours"], check=True)
+    head = subprocess.check_output([*git, "rev-parse", "--short=12", "HEAD"], text=True).strip()
+    assert environment.surroundings()["commit"] == head
 
 
 def test_all_pairs_is_left_out_above_its_limit_and_says_so(tmp_path):

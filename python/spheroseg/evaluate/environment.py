@@ -36,10 +36,12 @@ def surroundings() -> dict[str, str]:
 
 
 def _commit() -> str:
-    folder = Path(__file__).resolve().parent
+    file = Path(__file__).resolve()
     try:
-        git = ["git", "-C", str(folder)]
+        git = ["git", "-C", str(file.parent)]
         ask = {"capture_output": True, "text": True, "check": True}
+        # An installed package may lie in a checkout of something else.
+        subprocess.run([*git, "ls-files", "--error-unmatch", file.name], **ask)
         commit = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], **ask).stdout.strip()
         changes = subprocess.run([*git, "status", "--porcelain", "-uno"], **ask).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
