@@ -7,6 +7,7 @@ import hashlib
 import json
 import os
 import random
+import shlex
 import signal
 import subprocess
 import sys
@@ -243,6 +244,18 @@ def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
         with np.load(output / f"{name}.npz") as arrays:
             assert len(arrays["vertex_starts"]) == count + 1
         assert (output / f"{name}.glb").read_bytes()[:4] == b"glTF"
+
+
+def test_names_with_blanks_and_quotes_are_told_apart_in_the_manifest(tmp_path):
+    for name in ("plain", "two words", "it's", "a 'b' c"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    output = tmp_path / "out"
+    assert main(["batch", str(tmp_path / "in"), "-o", str(output), "--formats", "ply,npy"]) == 0
+    for row in rows(output):
+        names, digests = shlex.split(row["outputs"]), row["output_sha256"].split()
+        assert [Path(name).suffix for name in names] == [".ply", ".npy"]
+        assert {Path(name).stem for name in names} == {Path(row["mesh"]).stem}
+        assert [jobs.sha256(output / name) for name in names] == digests
 
 
 def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):

@@ -4,6 +4,7 @@
 import csv
 import io
 import logging
+import shlex
 from collections.abc import Callable, Iterator
 from concurrent import futures
 from pathlib import Path
@@ -180,7 +181,7 @@ def _row(record: Record) -> dict[str, Any]:
     row |= {name: settings["options"].get(name) for name in ("method", "effort", "seed")}
     row |= {
         "input_sha256": record.get("input_sha256"),
-        "outputs": " ".join(outputs),
+        "outputs": shlex.join(outputs),
         "output_sha256": " ".join(outputs.values()),
     }
     return row | settings["version"]
