@@ -99,16 +99,15 @@ def test_triangles_per_submesh_gives_the_ceiling(sample_arrays):
 @pytest.mark.parametrize("name", SMALL_SAMPLES)
 @pytest.mark.parametrize("method", [{}, {"method": "all_pairs"}], ids=["default", "all_pairs"])
 def test_labels_depend_on_the_seed_but_not_on_threads_or_the_run(sample_arrays, name, method):
-    arrays, options = sample_arrays[name], {**method, "seed": 5}
-    first = segment(arrays, 6, thread_count=1, **options).labels
-    assert np.array_equal(first, segment(arrays, 6, thread_count=2, **options).labels)
-    assert np.array_equal(first, segment(arrays, 6, thread_count=2, **options).labels)
+    def labels(seed, thread_count):
+        arrays = sample_arrays[name]
+        return segment(arrays, 6, seed=seed, thread_count=thread_count, **method).labels
 
-
-def test_another_seed_gives_other_labels(sample_arrays):
-    arrays = sample_arrays["spindle.ply"]
-    first, second = (segment(arrays, 10, method="all_pairs", seed=seed).labels for seed in (0, 1))
-    assert not np.array_equal(first, second)
+    first = labels(5, 1)
+    assert np.array_equal(first, labels(5, 2))
+    assert np.array_equal(first, labels(5, 2))
+    # By chance a small mesh may have the same labels for another seed, but not for each.
+    assert not all(np.array_equal(first, labels(seed, 1)) for seed in (6, 7, 8))
 
 
 def test_the_callers_arrays_stay_as_they_are(sample_arrays):
