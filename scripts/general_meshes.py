@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import math
 import os
 import statistics
 import sys
@@ -67,7 +66,7 @@ def main() -> int:
     print()
     for effort, found in ratios.items():
         if found:
-            mean = math.exp(statistics.fmean(map(math.log, found)))
+            mean = statistics.geometric_mean(found)
             print(f"{effort} over the better METIS mode, {len(found)} cases: {mean:.3f}")
     print(f"results of fast that are not valid: {invalid}")
     return 0

@@ -21,7 +21,7 @@ import pymetis
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
 import spheroseg  # noqa: E402
-from spheroseg.baselines import build_dual_graph  # noqa: E402
+from spheroseg.dual_graph import build_dual_graph  # noqa: E402
 
 SEEDS = range(1, 6)
 SAMPLES = Path(pymeshlab.__path__[0]) / "tests" / "sample_meshes"

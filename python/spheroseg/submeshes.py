@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from spheroseg.arrays import as_labels
-from spheroseg.baselines.dual_graph import build_dual_graph
+from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 
 # The largest 16-bit value restarts primitives on some devices, so no vertex may have it as index.

@@ -19,8 +19,8 @@ pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
 pytest.importorskip("matplotlib")
 
-from spheroseg.baselines import build_dual_graph
 from spheroseg.cli import main
+from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 from spheroseg.evaluate import environment, paper, plots, report
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen

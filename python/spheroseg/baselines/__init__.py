@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spheroseg.baselines.dual_graph import DualGraph, build_dual_graph
+from spheroseg.dual_graph import DualGraph, build_dual_graph
 
 __all__ = ["BASELINES", "Baseline", "DualGraph", "baseline_names", "build_dual_graph", "load"]
 

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 
 from spheroseg import packages
-from spheroseg.baselines.dual_graph import DualGraph, build_dual_graph
+from spheroseg.dual_graph import DualGraph, build_dual_graph
 
 
 def require(package: str) -> ModuleType:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from spheroseg.baselines._common import as_labels, checked_graph, require
-from spheroseg.baselines.dual_graph import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 
 def partition(

@@ -13,7 +13,7 @@ import numpy as np
 
 from spheroseg.baselines._common import checked_graph
 from spheroseg.baselines._metis import partition
-from spheroseg.baselines.dual_graph import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 
 def segment(

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from spheroseg.baselines._metis import partition
-from spheroseg.baselines.dual_graph import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 
 def segment(

@@ -9,7 +9,7 @@ import functools
 import numpy as np
 
 from spheroseg.baselines._common import as_labels, checked_graph, require
-from spheroseg.baselines.dual_graph import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 SLACK = 0.03
 

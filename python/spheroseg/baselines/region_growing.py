@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from spheroseg.baselines._common import checked_graph, require
-from spheroseg.baselines.dual_graph import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 require("numba")
 from numba import njit  # noqa: E402 (after the message for a missing package)

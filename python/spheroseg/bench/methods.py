@@ -19,6 +19,7 @@ import pymeshlab
 from spheroseg import api, baselines
 from spheroseg.baselines import kaminpar_exact, mtkahypar_quality
 from spheroseg.bench.statistics import STAGES
+from spheroseg.dual_graph import DualGraph, build_dual_graph
 
 _TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
 
@@ -74,9 +75,9 @@ class MeshRuns:
         timed = self._ours(mesh_set, effort, k, seed, thread_count)
         return Timed(timed.labels, timed.seconds, {"peak_bytes": _memory("VmHWM") - before})
 
-    def _graph(self, name: str, build: Callable[[baselines.DualGraph], object]) -> object:
+    def _graph(self, name: str, build: Callable[[DualGraph], object]) -> object:
         if "dual" not in self._graphs:
-            self._graphs["dual"] = baselines.build_dual_graph(self.faces)
+            self._graphs["dual"] = build_dual_graph(self.faces)
         if name not in self._graphs:
             self._graphs[name] = build(self._graphs["dual"])
         return self._graphs[name]

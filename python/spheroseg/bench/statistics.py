@@ -18,8 +18,8 @@ LEAST_SPAN = 10
 
 def geometric_mean(values: Iterable[float]) -> float:
     """Of numbers above 0; NaN for none."""
-    logarithms = [math.log(value) for value in values]
-    return math.exp(math.fsum(logarithms) / len(logarithms)) if logarithms else math.nan
+    values = list(values)
+    return statistics.geometric_mean(values) if values else math.nan
 
 
 def fitted_exponent(sizes: Sequence[float], times: Sequence[float]) -> float:

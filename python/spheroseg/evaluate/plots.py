@@ -2,7 +2,7 @@
 """The report's diagrams as SVG text, by matplotlib."""
 
 import io
-import math
+import statistics
 
 import matplotlib
 
@@ -99,8 +99,9 @@ def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
 
 
 def _geometric_mean(values: list[float]) -> float:
-    positive = [math.log(value) for value in values if value > 0]
-    return math.exp(sum(positive) / len(positive)) if positive else 0.0
+    # One sub-mesh has no boundary.
+    positive = [value for value in values if value > 0]
+    return statistics.geometric_mean(positive) if positive else 0.0
 
 
 def _colour(index: int) -> str:

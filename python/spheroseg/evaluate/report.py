@@ -4,14 +4,14 @@
 import base64
 import gzip
 import json
-import math
+import statistics
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from spheroseg import atomic
-from spheroseg.baselines import build_dual_graph
+from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
@@ -76,7 +76,7 @@ def summary(done: list[dict]) -> list[str]:
             for variants, title in _METIS_VARIANTS:
                 ratios = _ratios(mine, done, variants)
                 if ratios:
-                    mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
+                    mean = statistics.geometric_mean(ratios)
                     line += f"; its boundary is {mean:.3f} times that of {title}"
         lines.append(line + ".")
     return lines

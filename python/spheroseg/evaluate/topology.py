@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spheroseg.baselines import DualGraph
+from spheroseg.dual_graph import DualGraph
 
 # A vertex is three floats, a corner of a triangle a 16-bit index.
 VERTEX_BYTES = 12

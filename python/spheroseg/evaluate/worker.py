@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from spheroseg import api, atomic, baselines, mesh_files
+from spheroseg import api, atomic, mesh_files
 from spheroseg.commands.shared import plain
+from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import anatomy
@@ -47,7 +48,7 @@ def evaluate_mesh(job: dict) -> list[dict]:
     vertices = mesh_set.current_mesh().vertex_matrix()
     faces = np.ascontiguousarray(mesh_set.current_mesh().face_matrix(), dtype=np.int32)
     try:
-        graph = baselines.build_dual_graph(faces)
+        graph = build_dual_graph(faces)
     except ValueError as error:
         raise InputError(str(error)) from None
     arrays_path = Path(job["folder"]) / f"{job['name']}.npz"
