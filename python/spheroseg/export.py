@@ -18,13 +18,14 @@ from spheroseg.submeshes import SubMeshes
 FORMATS = (".npz", ".glb")
 
 
-def export(submeshes: SubMeshes, path: Path) -> None:
-    """Writes `path` atomically in the format that its suffix names, `.npz` or `.glb`."""
+def export(submeshes: SubMeshes, path: Path, face_colours: np.ndarray | None = None) -> None:
+    """Writes `path` atomically in the format that its suffix names, `.npz` or `.glb`, the latter
+    with the colours of `glb_bytes`."""
     path = Path(path)
     if path.suffix.lower() == ".npz":
         atomic.write_bytes(path, npz_bytes(submeshes))
     elif path.suffix.lower() == ".glb":
-        atomic.write_bytes(path, glb_bytes(submeshes))
+        atomic.write_bytes(path, glb_bytes(submeshes, face_colours))
     else:
         raise InputError(f"'{path}' must end in one of {', '.join(FORMATS)}")
 
@@ -41,16 +42,20 @@ def npz_bytes(submeshes: SubMeshes) -> bytes:
     return buffer.getvalue()
 
 
-def glb_bytes(submeshes: SubMeshes) -> bytes:
+def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> bytes:
     """A binary glTF 2.0 file: one mesh with one primitive per sub-mesh, in its colour.
 
+    `face_colours`, (F, 3) uint8, are kept where each sub-mesh has one colour and no neighbour has
+    the same, as the filter paints them; else a palette's colours are taken.
     Primitive i is sub-mesh i; its `extras` name the sub-mesh and its triangle count. An empty
     sub-mesh has no primitive, as glTF allows no empty accessor. Corners that share a vertex share
     its normal within a sub-mesh only.
     """
     gltf = gltf_library()
     blob = _Blob(gltf)
-    colours = colour_indices(submeshes.count, submeshes.neighbour_starts, submeshes.neighbours)
+    colours, materials = np.unique(
+        _submesh_colours(submeshes, face_colours), axis=0, return_inverse=True
+    )
     primitives = []
     for submesh in range(submeshes.count):
         positions, triangles = submeshes.block(submesh)
@@ -64,7 +69,7 @@ def glb_bytes(submeshes: SubMeshes) -> bytes:
                     NORMAL=blob.add_vectors(vertex_normals(positions, triangles)),
                 ),
                 indices=blob.add_indices(indices),
-                material=int(colours[submesh]),
+                material=int(materials.flat[submesh]),
                 mode=gltf.TRIANGLES,
                 extras={"submesh": submesh, "triangle_count": len(triangles)},
             )
@@ -75,7 +80,7 @@ def glb_bytes(submeshes: SubMeshes) -> bytes:
         scenes=[gltf.Scene(nodes=[0])],
         nodes=[gltf.Node(mesh=0, name="segmentation")],
         meshes=[gltf.Mesh(primitives=primitives, name="segmentation")],
-        materials=_materials(gltf, int(colours.max()) + 1),
+        materials=_materials(gltf, colours),
         accessors=blob.accessors,
         bufferViews=blob.views,
         buffers=[gltf.Buffer(byteLength=len(blob.data))],
@@ -96,8 +101,23 @@ def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return normals.astype(np.float32)
 
 
-def _materials(gltf, count: int) -> list:
-    linear = (palette(count) / 255.0) ** 2.2
+def _submesh_colours(submeshes: SubMeshes, face_colours: np.ndarray | None) -> np.ndarray:
+    """(k, 3) uint8, different for neighbours."""
+    if face_colours is not None:
+        in_blocks = face_colours[submeshes.source_triangles]
+        # An empty sub-mesh, which is not drawn, may have any.
+        colours = in_blocks[np.minimum(submeshes.triangle_starts[:-1], len(in_blocks) - 1)]
+        here = np.repeat(colours, np.diff(submeshes.neighbour_starts), axis=0)
+        differ = (here != colours[submeshes.neighbours]).any(axis=1).all()
+        painted = np.repeat(colours, np.diff(submeshes.triangle_starts), axis=0)
+        if differ and np.array_equal(painted, in_blocks):
+            return colours
+    indices = colour_indices(submeshes.count, submeshes.neighbour_starts, submeshes.neighbours)
+    return palette(int(indices.max()) + 1)[indices]
+
+
+def _materials(gltf, colours: np.ndarray) -> list:
+    linear = (colours / 255.0) ** 2.2
     return [
         gltf.Material(
             name=f"colour {index}",

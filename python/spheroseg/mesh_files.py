@@ -73,6 +73,13 @@ def declared_face_count(path: Path) -> int | None:
     return int(found[1]) if found else None
 
 
+def face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
+    """(F, 3) uint8, or None for a mesh without face colours."""
+    if not mesh.has_face_color():
+        return None
+    return np.round(255 * mesh.face_color_matrix()[:, :3]).astype(np.uint8)
+
+
 def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
     """Writes the current mesh as binary PLY with the attributes that it has, and its textures
     unless a file of such a name is there.

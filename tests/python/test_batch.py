@@ -232,6 +232,19 @@ def test_a_mesh_that_is_named_itself_may_lie_in_the_output_folder(tmp_path):
     assert len(np.unique(np.load(tmp_path / "a.npy"))) == 5
 
 
+def ply_colours(path: Path) -> set[tuple]:
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(path))
+    return set(map(tuple, np.round(255 * meshes.current_mesh().face_color_matrix()).tolist()))
+
+
+def glb_colours(path: Path) -> set[tuple]:
+    pygltflib = pytest.importorskip("pygltflib")
+    materials = pygltflib.GLTF2().load(path).materials
+    linear = [material.pbrMetallicRoughness.baseColorFactor for material in materials]
+    return set(map(tuple, np.round(255 * np.array(linear) ** (1 / 2.2)).tolist()))
+
+
 def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
     write_mesh(tmp_path / "data" / "a.ply")
     write_mesh(tmp_path / "data" / "b.ply", seed=1)
@@ -251,7 +264,7 @@ def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
         assert len(np.unique(np.load(output / f"{name}.npy"))) == count
         with np.load(output / f"{name}.npz") as arrays:
             assert len(arrays["vertex_starts"]) == count + 1
-        assert (output / f"{name}.glb").read_bytes()[:4] == b"glTF"
+        assert len(glb_colours(output / f"{name}.glb") - ply_colours(output / f"{name}.ply")) == 0
 
 
 def test_names_with_blanks_and_quotes_are_told_apart_in_the_manifest(tmp_path):

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -184,6 +185,44 @@ def test_glb_header_buffers_and_materials_agree(labelled):
     for submesh, primitive in enumerate(primitives):
         around = submeshes.neighbours[slice(*submeshes.neighbour_starts[submesh:][:2])]
         assert primitive["material"] not in {primitives[other]["material"] for other in around}
+
+
+def glb_colours(data: bytes) -> list[list[int]]:
+    """The colour of each primitive, as it is in a PLY file."""
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    linear = [
+        material["pbrMetallicRoughness"]["baseColorFactor"][:3]
+        for material in document["materials"]
+    ]
+    colours = np.round(255 * np.array(linear) ** (1 / 2.2)).astype(int).tolist()
+    return [colours[part["material"]] for part in document["meshes"][0]["primitives"]]
+
+
+def test_glb_has_the_colours_of_the_faces_where_each_submesh_has_its_own(labelled):
+    pytest.importorskip("pygltflib")
+    vertices, faces, labels = labelled
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    colours = np.array([[10 * i, 200, 30] for i in range(7)], dtype=np.uint8)
+    assert glb_colours(glb_bytes(submeshes, colours[labels])) == colours.tolist()
+    one_face_differs = colours[labels].copy()
+    one_face_differs[100] = 0
+    own = glb_colours(glb_bytes(submeshes))
+    assert glb_colours(glb_bytes(submeshes, one_face_differs)) == own
+    assert glb_colours(glb_bytes(submeshes, np.full_like(one_face_differs, 200))) == own
+
+
+def test_export_command_keeps_the_colours_of_the_filter(labelled_files, monkeypatch):
+    pytest.importorskip("pygltflib")
+    monkeypatch.chdir(labelled_files)
+    assert main(["segment", "bare.ply", "-k", "6", "-o", "painted.ply", "-q"]) == 0
+    assert main(["export", "painted.ply", "-o", "painted.glb"]) == 0
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh("painted.ply")
+    mesh = meshes.current_mesh()
+    labels = mesh.face_scalar_array().astype(int)
+    painted = np.round(255 * mesh.face_color_matrix()[:, :3]).astype(int)
+    first = [int(np.argmax(labels == label)) for label in range(6)]
+    assert glb_colours(Path("painted.glb").read_bytes()) == painted[first].tolist()
 
 
 def test_glb_leaves_out_an_empty_submesh():

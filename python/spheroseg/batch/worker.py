@@ -69,14 +69,14 @@ def _record(job: Job) -> dict:
 
 def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
     vertices, faces = mesh.vertex_matrix(), mesh.face_matrix()
+    colours = mesh_files.face_colours(mesh)
     if suffix == ".ply":
-        colours = np.round(255 * mesh.face_color_matrix()[:, :3]).astype(np.uint8)
         properties = {"quality": labels.astype(np.float32)} | colour_properties(colours)
         return ply_bytes(vertices, faces, face_properties=properties)
     if suffix == ".npy":
         return mesh_files.npy_bytes(labels)
     submeshes = split_into_submeshes(vertices, faces, labels)
-    return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes)
+    return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes, colours)
 
 
 def _end_with_parent() -> None:

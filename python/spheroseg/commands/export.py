@@ -21,8 +21,9 @@ def run(arguments) -> int:
     shared.check_output(arguments.output, *FORMATS)
     if Path(arguments.output).suffix.lower() == ".glb":
         gltf_library()
-    submeshes = labelled.read(arguments).submeshes
-    export(submeshes, Path(arguments.output))
+    mesh = labelled.read(arguments)
+    submeshes = mesh.submeshes
+    export(submeshes, Path(arguments.output), mesh.face_colours)
     bits = 8 * submeshes.triangles.dtype.itemsize
     print(f"{submeshes.count} sub-meshes with {bits}-bit indices in {arguments.output}")
     return 0

@@ -50,7 +50,7 @@ def read(arguments) -> LabelledMesh:
         submeshes = split_into_submeshes(vertices, mesh.face_matrix(), labels)
     except ValueError as error:
         raise InputError(f"{arguments.mesh}: {error}") from None
-    return LabelledMesh(vertices, submeshes, _face_colours(mesh))
+    return LabelledMesh(vertices, submeshes, mesh_files.face_colours(mesh))
 
 
 def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray:
@@ -66,9 +66,3 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray
             "with --labels, or segment it with -k N"
         )
     return mesh_set.current_mesh().face_scalar_array()
-
-
-def _face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
-    if not mesh.has_face_color():
-        return None
-    return np.round(255 * mesh.face_color_matrix()[:, :3]).astype(np.uint8)
