@@ -248,6 +248,15 @@ def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):
     assert {row["mesh"] for row in results(tmp_path / "out")} == {"first", "second"}
 
 
+def test_full_disk_is_one_line_that_names_the_file(tmp_path, small_disk, capsys):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "large.ply").write_bytes(ply_bytes(*bumpy_sphere(6, 0)))
+    assert evaluate(tmp_path / "in", small_disk / "out", methods=("metis_kway",)) == 2
+    said = capsys.readouterr().err
+    assert f"no room left on the disk for '{small_disk / 'out' / 'labels' / 'large.npz'}'" in said
+    assert not list((small_disk / "out").rglob("*.np?"))
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -34,10 +34,13 @@ def main() -> int:
     job = json.load(sys.stdin)
     try:
         rows = evaluate_mesh(job)
+        atomic.write_text(Path(job["rows"]), json.dumps(rows))
     except InputError as error:
         print(str(error).removeprefix(f"{job['mesh']}: "), file=sys.stderr)
         return 1
-    atomic.write_text(Path(job["rows"]), json.dumps(rows))
+    except atomic.DiskFullError as error:
+        print(error.strerror, file=sys.stderr)
+        return 1
     return 0
 
 
@@ -53,7 +56,8 @@ def evaluate_mesh(job: dict) -> list[dict]:
         raise InputError(str(error)) from None
     arrays_path = Path(job["folder"]) / f"{job['name']}.npz"
     arrays_path.parent.mkdir(parents=True, exist_ok=True)
-    np.savez(arrays_path, vertices=vertices, faces=faces)
+    with atomic.atomic_path(arrays_path, ".npz") as temporary:
+        np.savez(temporary, vertices=vertices, faces=faces)
     rows = []
     for k in job["submesh_counts"]:
         for name in job["methods"]:
@@ -84,7 +88,7 @@ def _result(method, vertices, faces, graph, k: int, job: dict) -> dict:
     measures = api.measure(vertices, faces, outcome.labels)
     parts = anatomy(faces, graph, outcome.labels, k)
     file = f"{job['name']}-k{k}-{method.name}.npy"
-    np.save(Path(job["folder"]) / file, outcome.labels)
+    mesh_files.save_labels(outcome.labels, Path(job["folder"]) / file)
     hexagonal = math.sqrt(6 * len(faces) * k) / 2
     return {
         "seconds": outcome.seconds,
