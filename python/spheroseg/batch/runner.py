@@ -43,8 +43,8 @@ Record = dict[str, Any]
 
 def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> None:
     """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
-    one where a result would replace a file that is none: a mesh, one of the `lists` of meshes, or,
-    before the first run, any file."""
+    one where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the
+    first run, any file."""
     has_results = (folder / RECORD_FOLDER).exists()
     if has_results and not resume:
         raise InputError(
