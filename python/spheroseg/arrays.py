@@ -20,8 +20,10 @@ def as_vertices(vertices: ArrayLike) -> np.ndarray:
 
 
 def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:
-    """A (F, 3) array of int32 in [0, vertex_count), C-contiguous."""
+    """A (F, 3) array of int32 in [0, vertex_count), C-contiguous, F at least 1."""
     array = _whole("faces", _numeric("faces", faces, (3,), "(F, 3)"))
+    if not len(array):
+        raise InputError("faces must hold at least one triangle, got none")
     bad = np.argwhere((array < 0) | (array >= vertex_count))
     if len(bad):
         row, column = (int(index) for index in bad[0])

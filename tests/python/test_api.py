@@ -193,7 +193,7 @@ BAD_ARRAYS = {
     "negative index": (lambda v, f: (v, replaced(f, (4, 2), -1)), r"face 4 names vertex -1"),
     "half index": (lambda v, f: (v, replaced(f, (0, 1), 1.5)), r"\(0, 1\) is 1.5"),
     "NaN index": (lambda v, f: (v, replaced(f, (0, 1), np.nan)), r"\(0, 1\) is nan"),
-    "no faces": (lambda v, f: (v, f[:0]), r"not have Any Faces"),
+    "no faces": (lambda v, f: (v, f[:0]), r"at least one triangle"),
     "face twice": (lambda v, f: (v, np.vstack([f, f[:1]])), r"(?i)duplicate|non-manifold"),
     "corner twice": (lambda v, f: (v, np.vstack([f, [[0, 0, 1]]])), r"(?i)degenerate|twice"),
 }
@@ -300,3 +300,14 @@ for _ in range(40):
         env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python")},
     )
     assert done.returncode == 0
+
+
+def test_no_faces_are_an_input_error():
+    nothing = np.zeros((0, 3)), np.zeros((0, 3), int)
+    for call in (
+        lambda: spheroseg.segment(*nothing, 1),
+        lambda: spheroseg.measure(*nothing, []),
+        lambda: spheroseg.parametrize(*nothing),
+    ):
+        with pytest.raises(spheroseg.InputError, match="at least one triangle"):
+            call()
