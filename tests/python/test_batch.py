@@ -295,12 +295,12 @@ def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):
 
 
 @contextlib.contextmanager
-def dask(*arguments):
+def dask(*arguments, python_path=Path(spheroseg.__file__).parents[1]):
     process = subprocess.Popen(
         [sys.executable, "-m", "dask", *map(str, arguments)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        env=dict(os.environ, PYTHONPATH=str(Path(spheroseg.__file__).parents[1])),
+        env=dict(os.environ, PYTHONPATH=str(python_path)),
         start_new_session=True,
     )
     try:
@@ -318,7 +318,16 @@ def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, 
     part = folder_of_meshes / "part1"  # fifteen good meshes and the one with a fin
     worker = ("worker", "--scheduler-file", address_file, "--nthreads", 1, "--no-dashboard")
     scheduler = ("scheduler", "--port", 0, "--scheduler-file", address_file, "--no-dashboard")
-    with dask(*scheduler), dask(*worker) as first, dask(*worker):
+    without_us = tmp_path / "without_us"
+    without_us.mkdir()
+    (without_us / "spheroseg.py").write_text(
+        "raise ImportError('the scheduler needs no spheroseg')"
+    )
+    with (
+        dask(*scheduler, python_path=without_us),
+        dask(*worker) as first,
+        dask(*worker),
+    ):
         wait_until(address_file.exists)
         address = json.loads(address_file.read_text())["address"]
         with distributed.Client(address, set_as_default=False) as client:
@@ -342,6 +351,19 @@ def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "no Dask scheduler answers at carrier-pigeon" in said
     assert said.count("\n") == 1
+    assert main([*arguments, "-k", "2"]) == 0, "nothing was done, so that nothing is to be resumed"
+
+
+@pytest.mark.parametrize(
+    "option", [("-k", "0"), ("--threads", "-1"), ("--time-limit", "-1"), ("-k", "-3")]
+)
+def test_what_is_wrong_for_every_mesh_is_said_before_the_first(option, tmp_path, capsys):
+    write_mesh(tmp_path / "a.ply")
+    assert main(["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), *option]) == 2
+    said = capsys.readouterr().err
+    assert f"got {option[1]}" in said
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

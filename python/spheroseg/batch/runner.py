@@ -7,6 +7,7 @@ import logging
 import shlex
 from collections.abc import Callable, Iterator
 from concurrent import futures
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +46,7 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
     """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
     one where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the
     first run, any file."""
-    has_results = (folder / RECORD_FOLDER).exists()
+    has_results = any(path.is_file() for path in (folder / RECORD_FOLDER).rglob("*"))
     if has_results and not resume:
         raise InputError(
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
@@ -135,10 +136,24 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
         client = Client(scheduler, timeout="15s", set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(f"no Dask scheduler answers at {scheduler}: {error}") from None
+
+    # A local function travels by value. One of this module would be imported by the scheduler,
+    # where the package need not be, and where PyMeshLab, imported in a thread, aborts at exit.
+    def run_on_worker(job: Record) -> Record:
+        from spheroseg.batch.jobs import Job, run_job
+
+        return run_job(Job(**job))
+
     with client:
         # A job is done again when its worker is lost; its results are the same, written whole.
         submitted = {
-            client.submit(run_job, job, pure=False, retries=3, key=f"spheroseg-{job.name}"): job
+            client.submit(
+                run_on_worker,
+                asdict(job),
+                pure=False,
+                retries=3,
+                key=f"spheroseg-{job.name}",
+            ): job
             for job in jobs
         }
         try:
@@ -147,7 +162,8 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
                 if error is None:
                     yield future.result()
                 else:
-                    yield failed_record(submitted[future], f"{type(error).__name__}: {error}")
+                    message = " ".join(f"{type(error).__name__}: {error}".split())
+                    yield failed_record(submitted[future], message)
         finally:
             client.cancel(list(submitted))
 

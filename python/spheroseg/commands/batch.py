@@ -24,6 +24,16 @@ from spheroseg.file_checks import check_name
 from spheroseg.packages import require
 
 FORMATS = ("ply", "npy", "npz", "glb")
+# Of the filter; given here so that the manifest tells of them.
+_DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0}
+_LEAST = {
+    "submesh_count": 1,
+    "triangles_per_submesh": 1,
+    "thread_count": 0,
+    "max_cohesion_iterations": 0,
+    "max_refinement_iterations": 0,
+    "time_limit_seconds": 0,
+}
 
 
 def add_arguments(parser):
@@ -80,7 +90,8 @@ def run(arguments) -> int:
 
 
 def _jobs(arguments, workers: int) -> list[Job]:
-    options = api.segment_parameters(segment_options(arguments))
+    options = _DEFAULTS | api.segment_parameters(segment_options(arguments))
+    _check_ranges(options)
     # Several meshes at a time use the cores better than several threads on one mesh.
     threads = options.pop("thread_count", None)
     if threads is None:
@@ -102,6 +113,13 @@ def _jobs(arguments, workers: int) -> list[Job]:
         )
         for source in inputs.collect(arguments.inputs, Path(arguments.output))
     ]
+
+
+def _check_ranges(options: dict) -> None:
+    """What is wrong for every mesh is said once, before the first."""
+    for name, least in _LEAST.items():
+        if options.get(name, least) < least:
+            raise InputError(f"{name} must be {least} or more, got {options[name]}")
 
 
 def _check_packages(arguments) -> None:
