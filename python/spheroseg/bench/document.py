@@ -66,11 +66,14 @@ def write(
 
 
 def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reasons) -> str:
-    commits = sorted({row["commit"] for row in table.rows + list(sweep)})
+    def commits(rows) -> str:
+        return ", ".join(sorted({row["commit"] for row in rows}))
+
     lines = [
         "# Benchmarks",
         "",
-        "Written by `make bench`; every number is from one run of that program on one machine.",
+        "Written by `make bench`, on one machine: every time and every boundary is from one run of "
+        "that program, the sweep over k (`--validity-sweep`) from another.",
         "",
         "## What is measured",
         "",
@@ -102,7 +105,9 @@ def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reason
         "edges).",
     ]
     lines += [f"- Left out: {reason}." for reason in reasons]
-    lines += ["", "| | |", "|---|---|", f"| commit | {', '.join(commits) or facts['commit']} |"]
+    lines += ["", "| | |", "|---|---|", f"| commit | {commits(table.rows) or facts['commit']} |"]
+    if sweep:
+        lines.append(f"| commit of the sweep | {commits(sweep)} |")
     shown = ("pymeshlab", "pymetis", "kaminpar", "mtkahypar", "Python", "system", "processor")
     lines += [
         f"| {name} | {facts[name]} |" for name in (*shown, "cores", "memory") if name in facts
