@@ -116,6 +116,14 @@ def test_every_row_equals_an_independent_recount(evaluation):
         assert row["empty_submesh_count"] == 0
 
 
+def test_each_run_of_ours_prepares_the_mesh_anew():
+    vertices, faces = bumpy_sphere(4, 0)
+    runs = [METHODS["all_pairs"].run(vertices, faces, k, 0, None) for k in (5, 16)]
+    seconds = [run.details["parametrization_seconds"] for run in runs]
+    # What is kept from the run before costs nothing; two maps of one mesh cost much the same.
+    assert seconds[1] > 0.2 * seconds[0] > 0
+
+
 def test_metis_rows_equal_a_direct_call(evaluation):
     pymetis = pytest.importorskip("pymetis")
     for row in results(evaluation / "out"):

@@ -83,11 +83,8 @@ class MeshRuns:
         return self._graphs[name]
 
     def _unseen(self) -> pymeshlab.MeshSet:
-        """A new MeshSet with the mesh. The plugin keeps what it prepared for the last mesh, so
-        another mesh is segmented in between."""
-        other = pymeshlab.MeshSet()
-        other.add_mesh(pymeshlab.Mesh(*_TETRAHEDRON))
-        api.run_filter(other, api.SEGMENT_FILTER, submesh_count=2, colorize=False)
+        """A new MeshSet with the mesh, of which the plugin has prepared nothing."""
+        api.forget_prepared_mesh()
         mesh_set = pymeshlab.MeshSet()
         mesh_set.add_mesh(pymeshlab.Mesh(self.vertices, self.faces))
         return mesh_set
