@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -167,6 +168,9 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
     environment = json.loads((evaluation / "out" / "results.json").read_text())["environment"]
     assert {"command", "seed", "commit", "pymetis", "processor"} <= set(environment)
     assert environment["seed"] == "0"
+    threads = f"{len(os.sched_getaffinity(0))} for our methods, 1 for the others"
+    assert environment["threads"] == threads
+    assert f"Threads: {threads}." in text
 
 
 def test_pictures_show_boundaries_and_red_bowties(tmp_path):

@@ -14,7 +14,7 @@ _PACKAGES = ("pymeshlab", "numpy", "pymetis", "kaminpar", "mtkahypar", "numba", 
 
 def describe(command: str, seed: int) -> dict[str, str]:
     """Names and values for the report, in the order in which they are shown."""
-    return {"command": command, "seed": str(seed)} | surroundings()
+    return {"command": command, "seed": str(seed), "threads": _threads()} | surroundings()
 
 
 def surroundings() -> dict[str, str]:
@@ -33,6 +33,13 @@ def surroundings() -> dict[str, str]:
     if memory:
         facts["memory"] = f"{int(memory.split()[0]) / 2**20:.1f} GiB"
     return facts
+
+
+def _threads() -> str:
+    """Ours has as many as the plugin takes by default, the processors that it may use."""
+    allowed = getattr(os, "sched_getaffinity", None)
+    count = len(allowed(0)) if allowed else os.cpu_count()
+    return f"{count} for our methods, 1 for the others"
 
 
 def _commit() -> str:
