@@ -173,6 +173,20 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
     assert f"Threads: {threads}." in text
 
 
+def test_page_has_iterations_of_one_effort_per_mesh_and_the_folder_all(tmp_path):
+    write_inputs(tmp_path / "in")
+    efforts = ("fast_draft", "fast_standard", "fast_high")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("all_pairs", *efforts)) == 0
+    plots = sorted(path.name for path in (tmp_path / "out" / "plots").glob("iterations-*"))
+    assert len(plots) == 2 * 2 * 4
+    text = (tmp_path / "out" / "report.html").read_text()
+    figures = text[text.index("(Fig. 9)") : text.index("(Fig. 10")]
+    assert figures.count("<figure>") == 2 * 2
+    assert "k = 16: Fast, standard" in figures
+    assert "k = 16: Fast, high" not in figures
+    assert "counts on a coarse version" in figures
+
+
 def test_pictures_show_boundaries_and_red_bowties(tmp_path):
     image = pytest.importorskip("PIL.Image")
     from spheroseg.evaluate.pictures import SIZE, draw

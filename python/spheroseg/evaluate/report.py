@@ -132,15 +132,20 @@ def _table_rows(rows: list[dict]) -> list[dict]:
     return shown
 
 
+_EFFORTS_BY_USE = ("fast_standard", "fast_high", "fast_draft")
+
+
 def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
     titles = {name: METHODS[name].title for name in _in_order(done)}
     files, iteration_plots = {}, []
+    # One effort of fast is enough on the page: at most two diagrams per mesh.
+    efforts = [name for name in _EFFORTS_BY_USE if name in titles][:1]
     for row in done:
         title = f"{row['mesh']}, k = {row['submesh_count']}: {titles[row['method']]}"
         svg = plots.iterations(row, title)
         if svg:
             files[f"iterations/{_stem(row)}"] = svg
-            if row["submesh_count"] == largest_k:
+            if row["submesh_count"] == largest_k and row["method"] in ["all_pairs", *efforts]:
                 iteration_plots.append(svg)
     same_k = [row for row in done if row["submesh_count"] == largest_k]
     memory = plots.shared_memory(same_k, titles) if same_k else ""
