@@ -3,34 +3,43 @@
 
 from __future__ import annotations
 
-import colorsys
+import heapq
 
 import numpy as np
 
-# Hues far apart first; red is left out, as it marks bowties.
-_HUES = (0.58, 0.13, 0.36, 0.76, 0.08, 0.49, 0.20, 0.66, 0.30, 0.87, 0.43, 0.54)
+# Those of the plugin (engine/coloring.cpp): far apart for people with normal sight, protanopia,
+# deuteranopia and tritanopia. None is red, which marks bowties.
+PALETTE = (
+    (237, 238, 84),
+    (107, 255, 223),
+    (112, 83, 80),
+    (90, 67, 198),
+    (113, 124, 9),
+    (210, 154, 129),
+    (43, 146, 153),
+    (182, 185, 255),
+)
 
 
 def palette(count: int) -> np.ndarray:
-    """(count, 3) uint8 colours, none of them red."""
-    colours = []
-    for index in range(count):
-        level, hue = divmod(index, len(_HUES))
-        saturation = (0.55, 0.38, 0.75)[level % 3]
-        value = (0.92, 0.70, 0.80)[level % 3] - 0.03 * (level // 3)
-        colours.append(colorsys.hsv_to_rgb(_HUES[hue], saturation, max(value, 0.2)))
-    return np.round(255 * np.array(colours).reshape(-1, 3)).astype(np.uint8)
+    """(count, 3) uint8 colours: `PALETTE`, then lighter and darker variants of it."""
+    index = np.arange(count)
+    turn = index // len(PALETTE)
+    target = np.where(turn % 2 == 1, 255.0, 0.0)
+    share = 1.0 - 1.0 / (1.0 + 0.35 * ((turn + 1) // 2))
+    colours = np.array(PALETTE, dtype=float)[index % len(PALETTE)]
+    return np.round(colours + (target[:, None] - colours) * share[:, None]).astype(np.uint8)
 
 
 def colour_indices(submesh_count: int, starts: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     """A colour number per sub-mesh, different for neighbours (CSR `starts`, `neighbours`).
 
-    Greedy, by falling number of neighbours; among the colours free the one that was used least,
-    out of at least six, so that no colour covers most of the mesh.
+    Among the colours free the one that was used least. Where the sub-meshes of a closed mesh of
+    genus 0 are connected, their graph is planar and `PALETTE` suffices.
     """
     indices = np.full(submesh_count, -1, dtype=np.int32)
-    uses = np.zeros(6, dtype=np.int64)
-    for submesh in np.argsort(-np.diff(starts), kind="stable"):
+    uses = np.zeros(len(PALETTE), dtype=np.int64)
+    for submesh in _smallest_last_order(starts, neighbours):
         around = indices[neighbours[starts[submesh] : starts[submesh + 1]]]
         free = np.setdiff1d(np.arange(len(uses)), around)
         if len(free) == 0:
@@ -39,3 +48,22 @@ def colour_indices(submesh_count: int, starts: np.ndarray, neighbours: np.ndarra
         indices[submesh] = free[np.argmin(uses[free])]
         uses[indices[submesh]] += 1
     return indices
+
+
+def _smallest_last_order(starts: np.ndarray, neighbours: np.ndarray) -> list[int]:
+    """Each has few neighbours among those before it: at most five in a planar graph."""
+    degree = np.diff(starts).tolist()
+    heap = [(d, submesh) for submesh, d in enumerate(degree)]
+    heapq.heapify(heap)
+    order = []
+    while heap:
+        d, submesh = heapq.heappop(heap)
+        if d != degree[submesh]:
+            continue
+        degree[submesh] = -1
+        order.append(submesh)
+        for other in neighbours[starts[submesh] : starts[submesh + 1]].tolist():
+            if degree[other] >= 0:
+                degree[other] -= 1
+                heapq.heappush(heap, (degree[other], other))
+    return order[::-1]
