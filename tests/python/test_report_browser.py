@@ -31,7 +31,10 @@ COUNTS = (5, 16)
 def output(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     for name, seed in (("first", 1), ("second", 2)):
-        (folder / f"{name}.ply").write_bytes(ply_bytes(*bumpy_sphere(3, seed)))
+        vertices, faces = bumpy_sphere(3, seed)
+        # The second is tall, as people are.
+        vertices *= [1, 4 if name == "second" else 1, 1]
+        (folder / f"{name}.ply").write_bytes(ply_bytes(vertices, faces))
     arguments = ["evaluate", str(folder / "first.ply"), str(folder / "second.ply")]
     arguments += ["-o", str(folder / "out"), "--methods", ",".join(METHODS)]
     assert main([*arguments, "-k", *map(str, COUNTS)]) == 0
@@ -158,6 +161,18 @@ def test_click_picks_the_submesh_under_the_pointer(browser, output):
     count = np.count_nonzero(labels == labels[front])
     assert note(browser).startswith(f"Sub-mesh {labels[front]}: {count} triangles, ")
     assert (canvas_pixels(browser)[..., 2] < 100).mean() > 0.005  # lit up in yellow
+
+
+def test_no_turn_cuts_the_mesh_off(browser):
+    for mesh in ("first", "second"):
+        browser.execute_script("document.getElementById('viewer').dataset.shown = ''")
+        choose(browser, 0, mesh)
+        wait(lambda: shown(browser) == "All pairs, k = 5")
+        for _ in range(8):
+            browser.execute_script("spherosegViewer.turn(0.4, 0.4)")
+            drawn = (canvas_pixels(browser) < 250).any(axis=2)
+            assert drawn.any()
+            assert not any(edge.any() for edge in (drawn[:3], drawn[-3:], drawn[:, :3]))
 
 
 def test_click_beside_the_mesh_picks_nothing(browser):

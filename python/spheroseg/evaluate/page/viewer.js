@@ -59,7 +59,7 @@ class Viewer {
         if (!this.gl) throw new Error("this browser has no WebGL 2");
         this.picked = -1;
         this.rotation = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-        this.zoom = 1.3;
+        this.zoom = 0.95; // of the radius around the mesh, so that no turn cuts it off
         this.pointers = new Map();
         this.build();
         this.listen();
@@ -168,7 +168,12 @@ class Viewer {
             high[i % 3] = Math.max(high[i % 3], value);
         });
         this.centre = low.map((value, i) => (value + high[i]) / 2);
-        this.radius = Math.hypot(...low.map((value, i) => high[i] - value)) / 2 || 1;
+        this.radius = 0;
+        for (let i = 0; i < positions.length; i += 3) {
+            const distance = Math.hypot(...this.centre.map((value, j) => positions[i + j] - value));
+            this.radius = Math.max(this.radius, distance);
+        }
+        this.radius ||= 1;
         this.upload("corners", this.gather(corners));
     }
 
