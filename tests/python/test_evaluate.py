@@ -354,6 +354,10 @@ def test_default_methods_exist_and_others_are_named():
         chosen("x")
 
 
+def test_each_method_has_its_own_colour_and_marker():
+    assert len({plots.mark(index) for index in range(len(METHODS))}) == len(METHODS)
+
+
 def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsys):
     write_inputs(tmp_path / "in")
     monkeypatch.setitem(sys.modules, "jinja2", None)

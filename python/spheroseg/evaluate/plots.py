@@ -20,6 +20,7 @@ _STYLE = {
 }
 _COLOURS = ("#0b6e99", "#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdbe85", "#756bb1")
 _MARKERS = "osD^vP*X"
+_HATCHES = ("", "////")
 
 
 def iterations(row: dict, title: str) -> str | None:
@@ -68,8 +69,9 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
                 r["mesh"]: r["shared_memory_bytes"] / 1024 for r in rows if r["method"] == method
             }
             places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
-            axis.bar(places, values.values(), width, label=titles[method], color=_colour(index))
-        axis.set_xticks(range(len(meshes)), meshes, rotation=20, parse_math=False)
+            look = {"color": mark(index)[0], "hatch": _HATCHES[index // len(_COLOURS)]}
+            axis.bar(places, values.values(), width, label=titles[method], **look)
+        axis.set_xticks(range(len(meshes)), meshes, rotation=45, ha="right", parse_math=False)
         axis.set_yscale("log")
         axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")
@@ -87,7 +89,7 @@ def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
             mine = [row for row in rows if row["method"] == method]
             times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
             edges = [row["boundary_edges_over_hexagonal"] for row in mine]
-            look = {"color": _colour(index), "marker": _MARKERS[index % len(_MARKERS)]}
+            look = dict(zip(("color", "marker"), mark(index), strict=True))
             axis.scatter(times, edges, s=18, alpha=0.35, **look)
             mean = [_geometric_mean(times)], [_geometric_mean(edges)]
             axis.scatter(*mean, s=90, edgecolor="black", label=titles[method], zorder=3, **look)
@@ -104,8 +106,11 @@ def _geometric_mean(values: list[float]) -> float:
     return statistics.geometric_mean(positive) if positive else 0.0
 
 
-def _colour(index: int) -> str:
-    return _COLOURS[index % len(_COLOURS)]
+def mark(index: int) -> tuple[str, str]:
+    """Colour and marker of a method, a pair of its own for each of 16."""
+    turn, colour = divmod(index, len(_COLOURS))
+    # Half the markers on: a like colour has then another marker, too.
+    return _COLOURS[colour], _MARKERS[(colour + turn * len(_MARKERS) // 2) % len(_MARKERS)]
 
 
 def _svg(figure) -> str:
