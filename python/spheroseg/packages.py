@@ -14,5 +14,5 @@ def require(package: str, purpose: str, install: str) -> ModuleType:
     except ImportError as error:
         raise MissingPackageError(
             f"{purpose} needs the package '{package}' ({error}); install it with "
-            f"'pip install {install}'"
+            f"'pip install {install}' (in a checkout: make setup)"
         ) from error

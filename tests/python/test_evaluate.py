@@ -5,6 +5,7 @@ import csv
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -161,6 +162,10 @@ def test_csv_and_json_agree(evaluation):
 
 def test_report_is_one_file_that_needs_nothing_else(evaluation):
     text = (evaluation / "out" / "report.html").read_text()
+    targets = re.findall('<a href="#(.*?)"', text)
+    assert len(targets) == text.count("<h2")
+    for target in targets:
+        assert f'id="{target}"' in text
     for link in ('src="http', 'href="http', 'src="/', "@import", "url(http"):
         assert link not in text
     assert text.count('<tr class="') == 2 * 2 * len(RUN_METHODS)
@@ -177,10 +182,10 @@ def test_page_has_iterations_of_one_effort_per_mesh_and_the_folder_all(tmp_path)
     write_inputs(tmp_path / "in")
     efforts = ("fast_draft", "fast_standard", "fast_high")
     assert evaluate(tmp_path / "in", tmp_path / "out", methods=("all_pairs", *efforts)) == 0
-    plots = sorted(path.name for path in (tmp_path / "out" / "plots").glob("iterations-*"))
+    plots = list((tmp_path / "out" / "plots" / "iterations").glob("*.svg"))
     assert len(plots) == 2 * 2 * 4
     text = (tmp_path / "out" / "report.html").read_text()
-    figures = text[text.index("(Fig. 9)") : text.index("(Fig. 10")]
+    figures = text[text.index('id="iterations"') : text.index('id="memory"')]
     assert figures.count("<figure>") == 2 * 2
     assert "k = 16: Fast, standard" in figures
     assert "k = 16: Fast, high" not in figures
@@ -255,7 +260,12 @@ def test_all_pairs_is_left_out_above_its_limit_and_says_so(tmp_path):
     left_out = [row for row in results(tmp_path / "out") if row["status"] == "left out"]
     assert {row["method"] for row in left_out} == {"all_pairs"}
     assert len(left_out) == 4
-    assert "left out: above 511 triangles" in (tmp_path / "out" / "report.html").read_text()
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "<summary>Left out: 4 cases</summary>" in text
+    assert "<li>first, k = 5, 16: All pairs (above 511 triangles)</li>" in text
+    # The table holds what was done, here METIS alone.
+    assert text.count('<tr class="') == 4
+    assert 'data-method="all_pairs"' not in text
 
 
 def test_more_submeshes_than_triangles_are_left_out(tmp_path):
@@ -264,6 +274,20 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     assert evaluate(tmp_path / "in", tmp_path / "out", methods=("region_growing",)) == 0
     status = {(row["submesh_count"], row["status"]) for row in results(tmp_path / "out")}
     assert status == {(5, "done"), (16, "left out")}
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "1 mesh, 1 method, k = 5, 16" in text
+    assert "<summary>Left out: 1 case</summary>" in text
+
+
+def test_a_method_that_fails_is_in_the_report_and_the_exit_code(tmp_path, monkeypatch):
+    write_inputs(tmp_path / "in")
+    (tmp_path / "packages").mkdir()
+    (tmp_path / "packages" / "pymetis.py").write_text("raise ImportError('broken here')")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "packages"))
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway", "fast_draft")) == 1
+    status = {row["method"]: row["status"] for row in results(tmp_path / "out")}
+    assert status == {"metis_kway": "failed", "fast_draft": "done"}
+    assert "broken here" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):

@@ -208,6 +208,15 @@ def test_phone_screen_needs_no_sideways_scrolling(browser):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+def test_wide_table_scrolls_within_the_screen(browser):
+    box = browser.execute_script(
+        "const box = document.getElementById('table1').parentElement;"
+        "return [box.scrollWidth - box.clientWidth, box.clientHeight, innerHeight]"
+    )
+    assert box[0] == 0  # all columns fit into the width of 1200
+    assert box[1] < box[2]  # and elsewhere the bar below the table can be reached
+
+
 def test_page_prints(browser):
     printed = browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})
     assert base64.b64decode(printed["data"])[:5] == b"%PDF-"

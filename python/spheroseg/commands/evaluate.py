@@ -70,7 +70,7 @@ def run(arguments) -> int:
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
     runner.write_numbers(folder, rows, environment)
     print(report.write_report(folder, rows, environment, arguments.viewer_limit))
-    return 1 if failures else 0
+    return 1 if failures or any(row["status"] == "failed" for row in rows) else 0
 
 
 def _plan(arguments) -> runner.Plan:

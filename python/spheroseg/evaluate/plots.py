@@ -71,7 +71,8 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
             places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
             look = {"color": mark(index)[0], "hatch": _HATCHES[index // len(_COLOURS)]}
             axis.bar(places, values.values(), width, label=titles[method], **look)
-        axis.set_xticks(range(len(meshes)), meshes, rotation=45, ha="right", parse_math=False)
+        turned = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
+        axis.set_xticks(range(len(meshes)), meshes, parse_math=False, **turned)
         axis.set_yscale("log")
         axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")

@@ -43,7 +43,9 @@ def write_report(
         methods=[METHODS[name] for name in _in_order(rows)],
         submesh_counts=counts,
         summary=summary(done),
-        rows=_table_rows(rows),
+        rows=_table_rows([row for row in rows if row["status"] != "left out"]),
+        left_out=_left_out(rows),
+        left_out_count=sum(row["status"] == "left out" for row in rows),
         environment=environment,
         largest_k=counts[-1],
         vertex_bytes=VERTEX_BYTES,
@@ -130,6 +132,18 @@ def _table_rows(rows: list[dict]) -> list[dict]:
         )
         before = group
     return shown
+
+
+def _left_out(rows: list[dict]) -> list[dict]:
+    """What was left out of each mesh for one reason: values of k and methods, each once."""
+    cases: dict[tuple[str, str], dict] = {}
+    for row in rows:
+        if row["status"] == "left out":
+            new = {"mesh": row["mesh"], "reason": row["error"], "counts": {}, "titles": {}}
+            case = cases.setdefault((row["mesh"], row["error"]), new)
+            case["counts"][row["submesh_count"]] = None
+            case["titles"][METHODS[row["method"]].title] = None
+    return list(cases.values())
 
 
 _EFFORTS_BY_USE = ("fast_standard", "fast_high", "fast_draft")
