@@ -20,6 +20,8 @@ help:
 	@echo "make plugin-gui  the plugin for the MeshLab application: build/gui"
 	@echo "make install-gui adds it to the MeshLab application of this user"
 	@echo "make test-gui    tests it in the real MeshLab window, on a virtual screen"
+	@echo "make test-hosts  the same plugin in earlier releases of PyMeshLab"
+	@echo "make docs-pictures  the screenshots of docs/meshlab.md, taken anew"
 	@echo "make setup       what building and testing need: packages, .venv, headers"
 
 setup:
