@@ -8,12 +8,14 @@ import os
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import recount
 from judge import Judge
+from mesh_paths import REPOSITORY
 from shapes import bumpy_sphere, octahedron
 from surfaces import SURFACES
 
@@ -21,6 +23,7 @@ pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
 pytest.importorskip("matplotlib")
 
+from spheroseg.baselines import BASELINES
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
@@ -279,15 +282,19 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     assert "<summary>Left out: 1 case</summary>" in text
 
 
-def test_a_method_that_fails_is_in_the_report_and_the_exit_code(tmp_path, monkeypatch):
+def test_method_that_fails_costs_a_line_and_exit_code_one(tmp_path, capsys, monkeypatch):
     write_inputs(tmp_path / "in")
-    (tmp_path / "packages").mkdir()
-    (tmp_path / "packages" / "pymetis.py").write_text("raise ImportError('broken here')")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "packages"))
-    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway", "fast_draft")) == 1
-    status = {row["method"]: row["status"] for row in results(tmp_path / "out")}
-    assert status == {"metis_kway": "failed", "fast_draft": "done"}
-    assert "broken here" in (tmp_path / "out" / "report.html").read_text()
+    # Found before the installed package, also in the process of each mesh.
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    (broken / "pymetis.py").write_text("raise ImportError('not there')\n")
+    monkeypatch.setenv("PYTHONPATH", str(broken))
+    methods = ("metis_kway", "region_growing")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=methods) == 1
+    assert "failed: first, k = 5, metis_kway: this baseline needs" in capsys.readouterr().err
+    status = {(row["method"], row["status"]) for row in results(tmp_path / "out")}
+    assert status == {("metis_kway", "failed"), ("region_growing", "done")}
+    assert "failed: this baseline needs" in (tmp_path / "out" / "report.html").read_text()
 
 
 def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):
@@ -387,3 +394,9 @@ def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsy
     monkeypatch.setitem(sys.modules, "jinja2", None)
     assert evaluate(tmp_path / "in", tmp_path / "out") == 2
     assert "pip install spheroseg[evaluate]" in capsys.readouterr().err
+
+
+def test_the_extra_holds_all_that_the_methods_need():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    extra = set(project["optional-dependencies"]["evaluate"])
+    assert {baseline.package for baseline in BASELINES.values()} <= extra
