@@ -33,8 +33,8 @@ constexpr int kSmallSubmesh = 86;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
-/// Level at which trials of the first start are compared, and the most trials. Twice as many coarse
-/// faces as that are worth trying in all.
+/// Level at which trials of the first start are compared; on their coarse meshes they may have so
+/// many faces in all. And the most trials.
 constexpr int kTrialFaces = 4000;
 constexpr int kMaxTrials = 8;
 /// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
@@ -252,6 +252,7 @@ private:
 
     /// The last resort, where moves got stuck on narrow branches.
     void search() {
+        history_ = {};
         Patchwork patchwork = level_with(component_.face_count());
         if (cut_exactly(patchwork, task_.least_count, task_.largest_count, kMaxSearchSteps)) {
             const auto [least, most] =

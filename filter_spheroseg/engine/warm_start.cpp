@@ -78,7 +78,8 @@ std::vector<int> new_shares(const Patchwork& patchwork) {
     std::priority_queue<std::pair<double, int>> queue;
     const auto enter = [&](int l) {
         if (step > 0 ? shares[l] < face_counts[l] : shares[l] > 0) {
-            const double density = shares[l] > 0 ? patchwork.load[l] / double(shares[l]) : kDensest;
+            const double density =
+                shares[l] > 0 ? static_cast<double>(patchwork.load[l]) / shares[l] : kDensest;
             queue.emplace(step * density, -l);
         }
     };
