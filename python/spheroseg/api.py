@@ -40,7 +40,8 @@ _OPTIONS = {
     "weight_attribute": str,
 }
 _INT_LIMIT = 2**31
-_TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
+# Vertices and faces of the smallest closed mesh, for calls that only warm something up.
+TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
 
 
 @dataclass(frozen=True)
@@ -186,7 +187,7 @@ def forget_prepared_mesh() -> None:
 
     The plugin keeps what it prepared for the last mesh; here that becomes a tetrahedron.
     """
-    run_filter(_mesh_set(*_TETRAHEDRON), SEGMENT_FILTER, submesh_count=2, colorize=False)
+    run_filter(_mesh_set(*TETRAHEDRON), SEGMENT_FILTER, submesh_count=2, colorize=False)
 
 
 def segment_parameters(options: dict[str, Any]) -> dict[str, Any]:

@@ -21,8 +21,6 @@ from spheroseg.baselines import kaminpar_exact, mtkahypar_quality
 from spheroseg.bench.statistics import STAGES
 from spheroseg.dual_graph import DualGraph, build_dual_graph
 
-_TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
-
 
 @dataclass(frozen=True)
 class Timed:
@@ -55,7 +53,7 @@ class MeshRuns:
             return _timed(lambda: mtkahypar_quality.partition(graph, k, seed))
         segment = baselines.load(method)
         dual = self._graph("dual", lambda dual: dual)
-        segment(*_TETRAHEDRON, 2, 0)  # loads the library
+        segment(*api.TETRAHEDRON, 2, 0)  # loads the library
         return _timed(lambda: segment(self.vertices, self.faces, k, seed, graph=dual))
 
     def first_call(self, effort: str, k: int, seed: int, thread_count: int) -> Timed:

@@ -60,14 +60,11 @@ def _ours(**options) -> Callable[..., Outcome]:
     return run
 
 
-_TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
-
-
 @functools.cache
 def _warmed_up(name: str) -> Callable[..., np.ndarray]:
     """The baseline after a first call that imports its library or compiles it."""
     segment = baselines.load(name)
-    segment(*_TETRAHEDRON, 2, 0)
+    segment(*api.TETRAHEDRON, 2, 0)
     return segment
 
 
