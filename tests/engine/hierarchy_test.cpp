@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
 
@@ -67,10 +66,10 @@ void expect_closed_surface(const TriangleMesh& mesh) {
     }
 }
 
-class HierarchyOfEachMesh : public testing::TestWithParam<test::NamedMesh> {};
+class HierarchyOfEachMesh : public testing::TestWithParam<test::MeshRecipe> {};
 
 TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     EXPECT_EQ(hierarchy.base_faces.size(), 4u);
     EXPECT_EQ(hierarchy.step_count(), (mesh.face_count() - 4) / 2);
@@ -86,7 +85,7 @@ TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
 }
 
 TEST_P(HierarchyOfEachMesh, UndoneBackwardsGivesTheInputFaces) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     test::Replay replay(hierarchy, mesh.face_count());
     for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
@@ -99,7 +98,7 @@ TEST_P(HierarchyOfEachMesh, UndoneBackwardsGivesTheInputFaces) {
 }
 
 TEST_P(HierarchyOfEachMesh, IsASphereAfterEveryRound) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     test::Replay replay(hierarchy, mesh.face_count());
     for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
@@ -111,7 +110,7 @@ TEST_P(HierarchyOfEachMesh, IsASphereAfterEveryRound) {
 }
 
 TEST_P(HierarchyOfEachMesh, RoundsAreIndependent) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     EXPECT_EQ(hierarchy.round_begin.back(), hierarchy.step_count());
     for (int r = 0; r < hierarchy.round_count(); ++r) {
@@ -129,8 +128,9 @@ TEST_P(HierarchyOfEachMesh, RoundsAreIndependent) {
 }
 
 TEST_P(HierarchyOfEachMesh, IsTheSameForOneAndThreeThreads) {
-    const CollapseHierarchy one = hierarchy_of(GetParam().mesh, 1);
-    const CollapseHierarchy three = hierarchy_of(GetParam().mesh, 3);
+    const TriangleMesh mesh = GetParam().make();
+    const CollapseHierarchy one = hierarchy_of(mesh, 1);
+    const CollapseHierarchy three = hierarchy_of(mesh, 3);
     EXPECT_EQ(one.vertex, three.vertex);
     EXPECT_EQ(one.target, three.target);
     EXPECT_EQ(one.star_begin, three.star_begin);
@@ -141,18 +141,10 @@ TEST_P(HierarchyOfEachMesh, IsTheSameForOneAndThreeThreads) {
     EXPECT_EQ(one.base_triangles, three.base_triangles);
 }
 
-std::string name_of(const testing::TestParamInfo<test::NamedMesh>& info) {
-    std::string name = info.param.name;
-    for (char& c : name) {
-        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    }
-    return name;
-}
-
 INSTANTIATE_TEST_SUITE_P(GenusZero,
                          HierarchyOfEachMesh,
-                         testing::ValuesIn(test::genus_zero_meshes()),
-                         name_of);
+                         testing::ValuesIn(test::genus_zero_recipes()),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
     for (const TriangleMesh& mesh : {test::icosphere(5), test::limbed_figure(5)}) {

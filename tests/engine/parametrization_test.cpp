@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 
 namespace spheroseg {
@@ -37,10 +36,10 @@ int cover_count(const TriangleMesh& mesh, const std::vector<Vec3>& positions, co
     return count;
 }
 
-class MapOfEachMesh : public testing::TestWithParam<test::NamedMesh> {};
+class MapOfEachMesh : public testing::TestWithParam<test::MeshRecipe> {};
 
 TEST_P(MapOfEachMesh, HasNoFlippedTriangleAndUnitVectors) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const Parametrization map = map_of(mesh);
     ASSERT_EQ(map.positions.size(), mesh.positions.size());
     for (const Vec3& p : map.positions) {
@@ -53,7 +52,7 @@ TEST_P(MapOfEachMesh, HasNoFlippedTriangleAndUnitVectors) {
 }
 
 TEST_P(MapOfEachMesh, CoversTheSphereOnce) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     const Parametrization map = map_of(mesh);
     Random random(7);
     for (int i = 0; i < 50; ++i) {
@@ -63,22 +62,14 @@ TEST_P(MapOfEachMesh, CoversTheSphereOnce) {
 }
 
 TEST_P(MapOfEachMesh, IsTheSameForOneAndThreeThreads) {
-    const TriangleMesh& mesh = GetParam().mesh;
+    const TriangleMesh mesh = GetParam().make();
     EXPECT_TRUE(same_bits(map_of(mesh, 1).positions, map_of(mesh, 3).positions));
-}
-
-std::string name_of(const testing::TestParamInfo<test::NamedMesh>& info) {
-    std::string name = info.param.name;
-    for (char& c : name) {
-        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    }
-    return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(GenusZero,
                          MapOfEachMesh,
-                         testing::ValuesIn(test::genus_zero_meshes()),
-                         name_of);
+                         testing::ValuesIn(test::genus_zero_recipes()),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Parametrization, KeepsAnglesWhereTrianglesAreEven) {
     for (const TriangleMesh& mesh : {test::icosphere(4), test::limbed_figure(4)}) {

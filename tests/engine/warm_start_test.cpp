@@ -134,7 +134,7 @@ TEST(WarmStart, HostileLabelsOnEveryMeshBecomeValid) {
         PreparedMesh prepared(mesh, 2);
         const int face_count = mesh.face_count();
         // Exact balance of few faces each takes long on tubes 3 to 6 vertices around.
-        const bool narrow = name == "needle" || name == "long thin limb";
+        const bool narrow = name == "needle" || name == "long_thin_limb";
         for (int k : {2, 7, face_count / 64, face_count / (narrow ? 64 : 5)}) {
             if (k < 2 || k > face_count) {
                 continue;

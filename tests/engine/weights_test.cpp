@@ -215,7 +215,7 @@ TEST(WeightBalance, EveryMeshIsSoundAndNearTheLeastImbalance) {
                 }
                 const double least = least_imbalance(weights, k);
                 EXPECT_TRUE(result.weight_imbalance <= 1.03 * least + heaviest_below / ideal ||
-                            name == "nested slivers")
+                            name == "nested_slivers")
                     << result.weight_imbalance << " of " << least << ", " << name << ", k " << k;
                 EXPECT_LE(result.weight_imbalance, 2.0 * least) << name << ", k " << k;
             }
