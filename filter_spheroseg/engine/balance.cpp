@@ -2,6 +2,7 @@
 #include "balance.h"
 
 #include "branches.h"
+#include "pass_graph.h"
 #include "planned_chain.h"
 #include "random.h"
 #include "submesh_boundaries.h"
@@ -21,7 +22,7 @@ public:
              const Progress& progress)
         : patchwork_(patchwork), searches_left_(max_searches), deadline_(deadline),
           progress_(progress), boundaries_(patchwork), branches_(patchwork),
-          parent_(patchwork.submesh_count(), -1), arc_of_(patchwork.submesh_count(), -1),
+          graph_(patchwork.submesh_count()), arc_of_(patchwork.submesh_count(), -1),
           floor_(patchwork.face_count() / patchwork.submesh_count()),
           ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
           chain_(patchwork, boundaries_, floor_, ceiling_) {}
@@ -45,6 +46,7 @@ public:
                 shake(idle_rounds);
                 follow_plans();
             } else {
+                build_graph();
                 for_each_off([&](int label, bool outward) { return relieve(label, outward); });
             }
             const std::int64_t now = imbalance();
@@ -67,6 +69,8 @@ private:
     static constexpr int kMaxBranchFaces = 64;
     /// Searches between two reports of progress: some milliseconds.
     static constexpr std::int64_t kSearchesPerReport = 1000;
+    /// Sub-meshes that are met in the time of a search.
+    static constexpr std::int64_t kLabelsPerSearch = 50;
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
@@ -187,48 +191,55 @@ private:
         return arcs_;
     }
 
+    void build_graph() {
+        graph_ = PassGraph(patchwork_.submesh_count());
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            boundaries_.for_each_side(l, [&](int, int, int across) { graph_.link(l, across); });
+        }
+    }
+
     /// Passes faces from a sub-mesh that has too many to the nearest that can take one, or to one
     /// that has too few from the nearest that can spare one.
     bool relieve(int label, bool outward) {
-        queue_.assign(1, label);
-        parent_[label] = label;
-        int goal = -1;
-        for (std::size_t head = 0; head < queue_.size() && goal < 0; ++head) {
-            const auto is_new = [this](int other) { return parent_[other] < 0; };
-            for (const Arc& arc : arcs(queue_[head], outward, is_new)) {
-                parent_[arc.label] = queue_[head];
-                queue_.push_back(arc.label);
-                if (room(arc.label, outward) > 0) {
-                    goal = arc.label;
-                    break;
-                }
+        const auto has_room = [&](int other) { return room(other, outward) > 0; };
+        const std::vector<int>* path;
+        do {
+            path = &graph_.find_path(label, outward, has_room, random_);
+            count_searches(graph_.met_count() / kLabelsPerSearch);
+            if (path->empty()) {
+                return false;
             }
-        }
-        std::vector<int> path;
-        if (goal >= 0) {
-            for (int l = goal; l != label; l = parent_[l]) {
-                path.push_back(l);
-            }
-            path.push_back(label);
-            if (outward) {
-                std::reverse(path.begin(), path.end());
-            }
-        }
-        for (int l : queue_) {
-            parent_[l] = -1;
-        }
+        } while (!is_open(*path));
         // As many faces as the two ends need, as long as the chain holds.
-        const int needed = goal < 0 ? 0 : std::min(deviation(label), room(goal, outward));
+        const int goal = outward ? path->back() : path->front();
+        const int needed = std::min(deviation(label), room(goal, outward));
         bool moved = false;
         for (int passed = 0; passed < needed; ++passed) {
-            for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-                if (!pass(path[i], path[i + 1])) {
+            for (std::size_t i = 0; i + 1 < path->size(); ++i) {
+                if (!pass((*path)[i], (*path)[i + 1])) {
                     return moved;
                 }
                 moved = true;
             }
         }
         return moved;
+    }
+
+    /// Can a face pass at every step, as the sub-meshes are? Blocks what leads nowhere where not.
+    bool is_open(const std::vector<int>& path) {
+        bool open = true;
+        for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+            if (arcs_between(path[i], path[i + 1]).empty()) {
+                open = false;
+                const std::vector<Arc>& ways = arcs(path[i], true, [](int) { return true; });
+                graph_.block_from(path[i], [&](int other) {
+                    return std::any_of(ways.begin(), ways.end(), [other](const Arc& way) {
+                        return way.label == other;
+                    });
+                });
+            }
+        }
+        return open;
     }
 
     /// Faces that a sub-mesh can take (`outward`) or spare.
@@ -304,12 +315,25 @@ private:
         return rise <= 0 || random_.uniform() < std::exp(-0.5 * rise);
     }
 
+    /// None, or the best move from one sub-mesh to another.
+    const std::vector<Arc>& arcs_between(int from, int to) {
+        return arcs(from, true, [to](int other) { return other == to; });
+    }
+
     bool pass(int from, int to) {
-        const std::vector<Arc>& found = arcs(from, true, [to](int other) { return other == to; });
+        const std::vector<Arc>& found = arcs_between(from, to);
         if (found.empty()) {
             return false;
         }
+        const int face = found.front().move.faces[0];
         boundaries_.commit(found.front().move);
+        graph_.change(from, to);
+        for (int c = 0; c < 3; ++c) {
+            const int across = patchwork_.label_across(face, c);
+            if (across >= 0 && across != to) {
+                graph_.link(to, across);
+            }
+        }
         return true;
     }
 
@@ -323,10 +347,9 @@ private:
     std::vector<int> chosen_;
     Patchwork best_;
     std::int64_t least_of_best_ = 0;
-    std::vector<int> parent_;
+    PassGraph graph_;
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;
-    std::vector<int> queue_;
     const int floor_;
     const int ceiling_;
     PlannedChain chain_;
