@@ -18,6 +18,7 @@
 #include "weight_balance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace spheroseg {
@@ -61,6 +62,14 @@ struct History {
     int refinement_iterations() const { return count() - cohesion_iterations; }
 };
 
+/// Where the progress is when a step ends, from 0 to 1.
+struct Shares {
+    double preparation;
+    /// Of each start: its first labels, and the annealing of the levels.
+    double start;
+    double levels;
+};
+
 class FastSegmentation {
 public:
     FastSegmentation(Component& component,
@@ -72,17 +81,18 @@ public:
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          result_(result), budget_(budget_of(options.effort)) {}
+          result_(result), budget_(budget_of(options.effort)), shares_(estimate_shares()) {}
 
     void run() {
         const Deadline watch;
-        prepare_levels(sub_progress(progress_, 0, 0.2));
+        prepare_levels(sub_progress(progress_, 0, shares_.preparation));
         result_.parametrization_seconds += watch.elapsed_seconds();
         consider_input();
         const std::optional<Segmentation> reserve = make_reserve();
+        const Progress starts = sub_progress(progress_, shares_.preparation, 1.0);
         for (int start = 0; start < kMaxStarts; ++start) {
             const double share = 1.0 / std::max(wanted_starts(), start + 1);
-            start_progress_ = sub_progress(progress_, start * share, (start + 1) * share);
+            start_progress_ = sub_progress(starts, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             history_ = {};
             const bool is_tried = start == 0 && trial_count() > 1;
@@ -145,6 +155,42 @@ private:
         }
     }
 
+    /// Progress is by the times that the steps take, roughly, in microseconds on two cores.
+    Shares estimate_shares() const {
+        constexpr double kProposal = 0.1;
+        const double faces = component_.face_count();
+        const double edges = hexagonal_edges(faces);
+        const double first_faces = coarsens() ? coarse_face_count() : faces;
+        const double preparation = (coarsens() ? 0.45 : 0.15) * faces;
+        double start = 0.03 * budget_.relaxations * first_faces;
+        if (trial_count() > 1) {
+            // Every other one is annealed twice.
+            start += 1.5 * kProposal * budget_.trial_share *
+                (budget_.first_proposals + budget_.level_proposals) *
+                hexagonal_edges(std::min<double>(kTrialFaces, faces));
+            start *= trial_count();
+        }
+        // Each coarse level has about half as many boundary edges as the next one.
+        const double levels = coarsens()
+            ? kProposal * budget_.level_proposals * 2.0 * edges + 0.1 * faces
+            : kProposal * budget_.small_first_proposals * edges;
+        const double exchanges = 0.05 * faces +
+            kProposal *
+                std::max(
+                    kLeastExchanges,
+                    (is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals) *
+                        edges);
+        const double all = start + levels + exchanges;
+        return {preparation / (preparation + wanted_starts() * all),
+                start / all,
+                (start + levels) / all};
+    }
+
+    /// Boundary edges of hexagonal sub-meshes.
+    double hexagonal_edges(double face_count) const {
+        return std::sqrt(1.5 * face_count * submesh_count_);
+    }
+
     /// Are sub-meshes so small that fewer proposals per boundary face suffice?
     bool is_small() const {
         return component_.face_count() < std::int64_t{kSmallSubmesh} * submesh_count_;
@@ -178,7 +224,7 @@ private:
         SegmentOptions quick = options_;
         quick.effort = Effort::standard;
         Segmentation reserve;
-        const Progress progress = sub_progress(progress_, 0.2, 0.2);
+        const Progress progress = sub_progress(progress_, shares_.preparation, shares_.preparation);
         FastSegmentation run(component_, whole_, quick, task_, deadline_, progress, reserve);
         run.run();
         result_.cohesion_seconds += reserve.cohesion_seconds;
@@ -238,8 +284,9 @@ private:
             forced_faces_ = adopt_labels(patchwork, seed_);
             return patchwork;
         }
-        Patchwork patchwork =
-            start == 1 && starts_on_sphere() ? sphere_start() : graph_start(start);
+        Patchwork patchwork = start == 1 && starts_on_sphere()
+            ? sphere_start()
+            : graph_start(start, 0.0, shares_.start);
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
         patchwork.may_close_rings = start == 0 || any_valid_;
         forced_faces_ = repair(patchwork);
@@ -258,7 +305,7 @@ private:
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             if (*most - *least <= 1) {
-                anneal_balanced(patchwork, exchanges(patchwork), control(0.7, 1.0));
+                anneal_balanced(patchwork, exchanges(patchwork), control(shares_.levels, 1.0));
             }
             keep_if_better(patchwork, true);
         }
@@ -286,12 +333,15 @@ private:
         const std::uint64_t first_seed = seed_;
         for (int trial = 0; trial < trial_count(); ++trial) {
             seed_ = first_seed + 0x51ED270BULL * static_cast<std::uint64_t>(trial);
-            Patchwork patchwork = graph_start(0);
+            const double begin = shares_.start * trial / trial_count();
+            Patchwork patchwork = graph_start(0, begin, begin);
             if (trial % 2 == 1) {
                 anneal_trial(patchwork, true);
             }
             const int forced = repair(patchwork);
             anneal_trial(patchwork, false);
+            report_progress(
+                start_progress_, shares_.start * (trial + 1) / trial_count(), "Refinement");
             const std::int64_t edges = count_boundary_edges(patchwork, options_.thread_count) +
                 (forced > 0 ? std::int64_t{1} << 40 : 0);
             if (least_edges < 0 || edges < least_edges) {
@@ -327,17 +377,17 @@ private:
             }
             multilevel_->uncoarsen(patchwork, options_.thread_count);
         }
-        report_progress(start_progress_, 0.25, "Refinement");
         result_.refinement_seconds += watch.elapsed_seconds();
     }
 
-    Patchwork graph_start(int start) {
+    /// Its progress is the part [begin, end] of that of the start.
+    Patchwork graph_start(int start, double begin, double end) {
         const Deadline watch;
         Patchwork patchwork =
             level_with(coarsens() && start < 2 ? coarse_face_count() : component_.face_count());
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
         if (start < 3) {
-            AnnealControl cohesion = control(0.2, 0.25);
+            AnnealControl cohesion = control(begin, end);
             cohesion.max_phases = max_cohesion_iterations();
             const int before = history_.count();
             relax(patchwork, budget_.relaxations, options_.thread_count, cohesion);
@@ -351,7 +401,9 @@ private:
         const Deadline map_watch;
         const std::vector<Vec3> centroids = face_centroids_on_sphere(
             whole_->mesh(),
-            whole_->parametrization(options_.thread_count, sub_progress(start_progress_, 0.2, 0.22))
+            whole_
+                ->parametrization(options_.thread_count,
+                                  sub_progress(start_progress_, 0.0, 0.5 * shares_.start))
                 .positions);
         result_.parametrization_seconds += map_watch.elapsed_seconds();
         const Deadline watch;
@@ -360,12 +412,13 @@ private:
         limits.deadline = &deadline_;
         limits.max_iterations = std::min(kSphereIterations, max_cohesion_iterations());
         std::vector<int> labels = balanced_sphere_labels(centroids, submesh_count_);
-        const SwapIterations cohesion = cohere_pairs(centroids,
-                                                     submesh_count_,
-                                                     limits,
-                                                     labels,
-                                                     sub_progress(start_progress_, 0.22, 0.25),
-                                                     &whole_->dual_graph());
+        const SwapIterations cohesion =
+            cohere_pairs(centroids,
+                         submesh_count_,
+                         limits,
+                         labels,
+                         sub_progress(start_progress_, 0.5 * shares_.start, shares_.start),
+                         &whole_->dual_graph());
         history_ = {cohesion.boundary_edges, cohesion.seconds, cohesion.count()};
         Patchwork patchwork = finest_with(labels);
         result_.cohesion_seconds += watch.elapsed_seconds();
@@ -413,10 +466,16 @@ private:
             continue_schedule(schedule);
         }
         const int face_count = component_.face_count();
-        double done = 0.25;
+        // Boundaries and times grow with the square root of the number of cells.
+        const auto share_of = [&](const Patchwork& level) {
+            return shares_.start +
+                (shares_.levels - shares_.start) *
+                std::sqrt(static_cast<double>(level.face_count()) / face_count);
+        };
+        double done = shares_.start;
         while (patchwork.face_count() < face_count) {
             set_balance(schedule, patchwork, 0.5, 1.5);
-            const double next = done + (0.7 - done) * 0.4;
+            const double next = share_of(patchwork);
             if (!is_annealed) {
                 anneal(patchwork, schedule, control(done, next));
                 continue_schedule(schedule);
@@ -427,11 +486,11 @@ private:
         }
         schedule.temperature_end = 0.1;
         set_balance(schedule, patchwork, 0.5, 10.0);
-        anneal(patchwork, schedule, control(done, 0.7));
+        anneal(patchwork, schedule, control(done, shares_.levels));
         if (by_weight()) {
-            balance_by_weight(patchwork, exchanges(patchwork), control(0.7, 1.0));
+            balance_by_weight(patchwork, exchanges(patchwork), control(shares_.levels, 1.0));
         } else if (balance(patchwork)) {
-            anneal_balanced(patchwork, exchanges(patchwork), control(0.7, 1.0));
+            anneal_balanced(patchwork, exchanges(patchwork), control(shares_.levels, 1.0));
         }
         result_.refinement_seconds += watch.elapsed_seconds();
     }
@@ -447,7 +506,7 @@ private:
     }
 
     bool balance(Patchwork& patchwork) {
-        const Progress progress = sub_progress(start_progress_, 0.7, 0.7);
+        const Progress progress = sub_progress(start_progress_, shares_.levels, shares_.levels);
         const auto balance_by = [&](std::int64_t searches_per_face) {
             return balance_exactly(
                 patchwork, searches_per_face * patchwork.face_count(), &deadline_, progress);
@@ -515,6 +574,7 @@ private:
     Progress start_progress_;
     Segmentation& result_;
     const Budget budget_;
+    const Shares shares_;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::int64_t least_cost_ = -1;
