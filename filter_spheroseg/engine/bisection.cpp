@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace spheroseg {
@@ -16,11 +17,15 @@ constexpr int kTaskFaces = 2048;
 
 class Bisection {
 public:
-    Bisection(Patchwork& patchwork, std::uint64_t seed)
-        : patchwork_(patchwork), seed_(seed), order_(patchwork.cells.size()),
-          queue_(patchwork.cells.size()), visited_(patchwork.cells.size(), 0) {
+    Bisection(const Patchwork& patchwork, std::uint64_t seed, int thread_count)
+        : patchwork_(patchwork), seed_(seed), neighbors_(neighbor_table(patchwork, thread_count)),
+          order_(patchwork.cells.size()), queue_(patchwork.cells.size()),
+          marks_(patchwork.cells.size() + 1, mark_of(0)) {
+        marks_.back() = kNowhere;
         std::iota(order_.begin(), order_.end(), 0);
     }
+
+    int label(int face) const { return marks_[face] / 2; }
 
     /// The faces order_[begin, end) have label `label` and are to be parted into `parts`.
     void split(int begin, int end, int label, int parts) {
@@ -28,15 +33,15 @@ public:
             const int face_count = end - begin;
             Random random(seed_, static_cast<std::uint64_t>(label) << 32 | parts);
             const int any = order_[begin + static_cast<int>(random.below(face_count))];
-            const int far_face = sort_breadth_first(begin, end, label, any);
-            sort_breadth_first(begin, end, label, far_face);
+            const int far_face = sort_breadth_first(begin, end, any);
+            sort_breadth_first(begin, end, far_face);
 
             const int left_parts = parts / 2;
             const int right_parts = parts - left_parts;
             const int middle = begin + left_face_count(begin, end, left_parts, parts);
             const int right_label = label + left_parts;
             for (int i = middle; i < end; ++i) {
-                patchwork_.set_own_label(order_[i], right_label);
+                set_mark(order_[i], mark_of(right_label));
             }
             if (face_count > kTaskFaces) {
 #pragma omp task default(shared) firstprivate(middle, end, right_label, right_parts)
@@ -50,33 +55,40 @@ public:
     }
 
 private:
+    static constexpr int kNowhere = -1;
+
+    /// Of the faces of a part; an odd number of searches leaves one more.
+    static constexpr int mark_of(int label) {
+        return 2 * label;
+    }
+
     /// Orders a part breadth first from `start`, component after component; returns the last face.
-    /// Each call flips the visited marks of the whole part. Which neighbours are new can not be
-    /// foreseen, so they are appended without a branch.
-    int sort_breadth_first(int begin, int end, int label, int start) {
-        const std::uint8_t fresh = visited_[start];
+    /// Each search flips the marks of the whole part. Which neighbours are new can not be foreseen,
+    /// so they are appended without a branch.
+    int sort_breadth_first(int begin, int end, int start) {
+        const int fresh = marks_[start];
+        const int met = fresh ^ 1;
         int tail = begin;
         const auto visit = [&](int face) {
-            mark(face, !fresh);
+            set_mark(face, met);
             queue_[tail++] = face;
         };
         visit(start);
         int next_unseen = begin;
         for (int head = begin; tail < end; ++head) {
             if (head == tail) {
-                while (visited_[order_[next_unseen]] != fresh) {
+                while (marks_[order_[next_unseen]] != fresh) {
                     ++next_unseen;
                 }
                 visit(order_[next_unseen]);
             }
             const int face = queue_[head];
-            for (int side : patchwork_.neighbors(face)) {
-                const int neighbor = side < 0 ? face : side;
-                const bool is_new = is_fresh(neighbor, label, fresh);
+            for (int neighbor : neighbors_[face]) {
+                const bool is_new = mark(neighbor) == fresh;
                 if (tail + 1 < end) {
                     queue_[tail] = neighbor;
                     tail += is_new;
-                    mark(is_new ? neighbor : face, !fresh);
+                    set_mark(is_new ? neighbor : face, met);
                 } else if (is_new && tail < end) {
                     visit(neighbor);
                 }
@@ -86,13 +98,12 @@ private:
         return order_[end - 1];
     }
 
-    /// Marks of faces of another part are read too, but make no difference.
-    bool is_fresh(int face, int label, std::uint8_t fresh) const {
-        const bool unmarked = __atomic_load_n(&visited_[face], __ATOMIC_RELAXED) == fresh;
-        return (patchwork_.label(face) == label) & unmarked;
+    /// Marks of faces of another part are read too, but are none of this part's.
+    int mark(int face) const {
+        return __atomic_load_n(&marks_[face], __ATOMIC_RELAXED);
     }
-    void mark(int face, std::uint8_t value) {
-        __atomic_store_n(&visited_[face], value, __ATOMIC_RELAXED);
+    void set_mark(int face, int value) {
+        __atomic_store_n(&marks_[face], value, __ATOMIC_RELAXED);
     }
 
     /// Where to cut an ordered part so that the left side weighs left_parts / parts of it.
@@ -110,26 +121,28 @@ private:
         return std::clamp(count, left_parts, face_count - (parts - left_parts));
     }
 
-    Patchwork& patchwork_;
+    const Patchwork& patchwork_;
     const std::uint64_t seed_;
+    const std::vector<std::array<int, 3>> neighbors_;
     std::vector<int> order_;
     std::vector<int> queue_;
-    std::vector<std::uint8_t> visited_;
+    /// A last entry stands for what lies beyond open borders.
+    std::vector<int> marks_;
 };
 
 } // namespace
 
 void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count) {
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        patchwork.set_own_label(f, 0);
-    }
-    Bisection bisection(patchwork, seed);
+    Bisection bisection(patchwork, seed, thread_count);
     const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
 #pragma omp parallel num_threads(threads)
 #pragma omp single
     bisection.split(0, face_count, 0, submesh_count);
 
+    for (int f = 0; f < face_count; ++f) {
+        patchwork.set_own_label(f, bisection.label(f));
+    }
     patchwork.tell_neighbors(thread_count);
     patchwork.load.resize(submesh_count);
     sum_loads(patchwork);

@@ -63,6 +63,20 @@ double mean_face_weight(const Patchwork& patchwork) {
     return total_load(patchwork) / patchwork.face_count();
 }
 
+std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count) {
+    const int face_count = patchwork.face_count();
+    std::vector<std::array<int, 3>> table(face_count);
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (int f = 0; f < face_count; ++f) {
+        for (int c = 0; c < 3; ++c) {
+            const int neighbor = patchwork.neighbor(f, c);
+            table[f][c] = neighbor < 0 ? face_count : neighbor;
+        }
+    }
+    return table;
+}
+
 std::vector<int> labels_of(const Patchwork& patchwork) {
     std::vector<int> labels(patchwork.cells.size());
     for (std::size_t f = 0; f < labels.size(); ++f) {

@@ -40,7 +40,8 @@ public:
         : patchwork_(patchwork),
           workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
-          offsets_(patchwork.submesh_count(), 0.0), inside_(patchwork.cells.size() + 1),
+          offsets_(patchwork.submesh_count(), 0.0),
+          neighbors_(neighbor_table(patchwork, thread_count)), inside_(patchwork.cells.size() + 1),
           keys_(patchwork.cells.size() + 1) {
         mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
@@ -198,7 +199,6 @@ private:
         for (const Worker& lister : workers_) {
             queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
         }
-        const int nowhere = patchwork_.face_count();
         auto tail = static_cast<int>(queue.size());
         worker.segments.assign(1, 0);
         for (int head = 0; head < tail;) {
@@ -206,8 +206,8 @@ private:
             worker.segments.push_back(ring_end);
             for (; head < ring_end; ++head) {
                 make_room(queue, tail);
-                for (int neighbor : patchwork_.neighbors(queue[head])) {
-                    std::uint8_t& mark = inside_[neighbor < 0 ? nowhere : neighbor];
+                for (int neighbor : neighbors_[queue[head]]) {
+                    std::uint8_t& mark = inside_[neighbor];
                     const std::uint8_t is_new = __atomic_load_n(&mark, __ATOMIC_RELAXED);
                     __atomic_store_n(&mark, 0, __ATOMIC_RELAXED);
                     queue[tail] = neighbor;
@@ -271,11 +271,10 @@ private:
         if (!is_center && distance_of(key) != distance) {
             return; // another wave was earlier
         }
-        const int nowhere = patchwork_.face_count();
         const Key reached = make_key(distance + kStep, label_of(key));
-        for (int neighbor : patchwork_.neighbors(face)) {
+        for (int neighbor : neighbors_[face]) {
             queue[tail] = neighbor;
-            tail += lower(keys_[neighbor < 0 ? nowhere : neighbor], reached);
+            tail += lower(keys_[neighbor], reached);
         }
     }
 
@@ -310,6 +309,7 @@ private:
     std::vector<Center> centers_;
     std::vector<int> worker_of_label_;
     std::vector<double> offsets_;
+    const std::vector<std::array<int, 3>> neighbors_;
     /// Not reached yet from the boundary. A last entry stands for what lies beyond open borders.
     std::vector<std::uint8_t> inside_;
     /// The same.
