@@ -166,20 +166,16 @@ private:
         if (trial_count() > 1) {
             // Every other one is annealed twice.
             start += 1.5 * kProposal * budget_.trial_share *
-                (budget_.first_proposals + budget_.level_proposals) *
+                (first_proposals() + budget_.level_proposals) *
                 hexagonal_edges(std::min<double>(kTrialFaces, faces));
             start *= trial_count();
         }
         // Each coarse level has about half as many boundary edges as the next one.
         const double levels = coarsens()
             ? kProposal * budget_.level_proposals * 2.0 * edges + 0.1 * faces
-            : kProposal * budget_.small_first_proposals * edges;
-        const double exchanges = 0.05 * faces +
-            kProposal *
-                std::max(
-                    kLeastExchanges,
-                    (is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals) *
-                        edges);
+            : kProposal * first_proposals() * edges;
+        const double exchanges =
+            0.05 * faces + kProposal * std::max(kLeastExchanges, exchange_proposals() * edges);
         const double all = start + levels + exchanges;
         return {preparation / (preparation + wanted_starts() * all),
                 start / all,
@@ -194,6 +190,13 @@ private:
     /// Are sub-meshes so small that fewer proposals per boundary face suffice?
     bool is_small() const {
         return component_.face_count() < std::int64_t{kSmallSubmesh} * submesh_count_;
+    }
+
+    double first_proposals() const {
+        return is_small() ? budget_.small_first_proposals : budget_.first_proposals;
+    }
+    double exchange_proposals() const {
+        return is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;
     }
 
     bool coarsens() const {
@@ -445,8 +448,7 @@ private:
         schedule.seed = seed_;
         schedule.temperature_begin = 0.35;
         schedule.temperature_end = 0.15;
-        schedule.proposals_per_face =
-            is_small() ? budget_.small_first_proposals : budget_.first_proposals;
+        schedule.proposals_per_face = first_proposals();
         schedule.phase_count = budget_.first_phases;
         return schedule;
     }
@@ -543,8 +545,7 @@ private:
         schedule.temperature_begin =
             count_boundary_edges(patchwork, options_.thread_count) < kEdgesToMelt ? 0.5 : 0.25;
         schedule.temperature_end = 0.08;
-        schedule.proposals_per_face =
-            is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;
+        schedule.proposals_per_face = exchange_proposals();
         schedule.least_proposals = kLeastExchanges;
         schedule.phase_count = budget_.level_phases;
         return schedule;
