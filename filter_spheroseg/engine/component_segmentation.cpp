@@ -5,7 +5,7 @@
 #include "face_weights.h"
 #include "fast_segmentation.h"
 #include "initial_labels.h"
-#include "parallel_failure.h"
+#include "parallel_tasks.h"
 #include "shares.h"
 #include "threads.h"
 #include "warm_start.h"
@@ -192,41 +192,12 @@ private:
         options.thread_count = 1;
         const int threads = resolve_thread_count(options_.thread_count);
         const auto count = static_cast<int>(small.size());
-        ParallelFailure failure;
-        std::atomic<bool> stopped{false};
-        std::atomic<bool> cancelled{false};
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (count > 1)
-        for (int i = 0; i < count; ++i) {
-            failure.guard([&] {
-                if (!stopped) {
-                    segment_next(small[i], options, stopped, cancelled);
-                }
-            });
-        }
-        failure.rethrow();
+        const auto report = [&] { return !progress_ || progress_(done(), "Components"); };
+        run_tasks(count, threads, report, [&](int i, const Progress& heard) {
+            segment_one(small[i], options, nullptr, heard);
+            done_faces_ += (*components_)[small[i]].face_count();
+        });
         share_out_seconds(before, watch.elapsed_seconds());
-    }
-
-    /// Progress is reported by the calling thread only. Nothing more is begun after a failure.
-    void segment_next(int i,
-                      const SegmentOptions& options,
-                      std::atomic<bool>& stopped,
-                      std::atomic<bool>& cancelled) {
-        const bool reports = progress_ && omp_get_thread_num() == 0;
-        const Progress watch = [&](double, const char*) {
-            if (reports && !progress_(done(), "Components")) {
-                cancelled = true;
-            }
-            return !cancelled;
-        };
-        try {
-            report_progress(watch, 0.0, "Components");
-            segment_one(i, options, nullptr, watch);
-            done_faces_ += (*components_)[i].face_count();
-        } catch (...) {
-            stopped = true;
-            throw;
-        }
     }
 
     void segment_one(int i,
