@@ -39,8 +39,6 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_
         level = coarser.cell_count() >= min_face_count ? &coarser : level;
     }
     Patchwork patchwork;
-    // Room for the finest level, which is used as it is needed.
-    patchwork.cells.reserve(levels_->face_at.size());
     patchwork.cells.resize(level->cell_count());
     patchwork.load.assign(submesh_count, 0);
     patchwork.load[0] = total_weight();
@@ -75,6 +73,7 @@ void Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
     }
     const Level& finer = *(&level - 1);
     const std::vector<int> labels = labels_of(patchwork);
+    std::vector<Cell>().swap(patchwork.cells); // gives the memory back before it takes more
     patchwork.cells.resize(finer.cell_count());
     const int threads = threads_for(thread_count, finer.cell_count(), kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
