@@ -25,24 +25,23 @@ public:
         std::iota(order_.begin(), order_.end(), 0);
     }
 
-    int label(int face) const { return marks_[face] / 2; }
+    void give_labels(Patchwork& patchwork, int submesh_count, int thread_count) const {
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            patchwork.set_own_label(f, marks_[f] / 2);
+        }
+        patchwork.tell_neighbors(thread_count);
+        patchwork.load.resize(submesh_count);
+        sum_loads(patchwork);
+    }
 
     /// The faces order_[begin, end) have label `label` and are to be parted into `parts`.
     void split(int begin, int end, int label, int parts) {
         while (parts > 1) {
             const int face_count = end - begin;
-            Random random(seed_, static_cast<std::uint64_t>(label) << 32 | parts);
-            const int any = order_[begin + static_cast<int>(random.below(face_count))];
-            const int far_face = sort_breadth_first(begin, end, any);
-            sort_breadth_first(begin, end, far_face);
-
             const int left_parts = parts / 2;
             const int right_parts = parts - left_parts;
-            const int middle = begin + left_face_count(begin, end, left_parts, parts);
             const int right_label = label + left_parts;
-            for (int i = middle; i < end; ++i) {
-                set_mark(order_[i], mark_of(right_label));
-            }
+            const int middle = cut(begin, end, label, parts, right_label);
             if (face_count > kTaskFaces) {
 #pragma omp task default(shared) firstprivate(middle, end, right_label, right_parts)
                 split(middle, end, right_label, right_parts);
@@ -54,8 +53,48 @@ public:
         }
     }
 
+    /// Cuts each sub-mesh of the patchwork that is to have several parts in two; see cut_in_two.
+    void cut_each(std::vector<int>& parts) {
+        const auto submesh_count = static_cast<int>(parts.size());
+        std::vector<int> begin(submesh_count + 1, 0);
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            set_mark(f, mark_of(patchwork_.label(f)));
+            ++begin[patchwork_.label(f) + 1];
+        }
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        std::vector<int> end = begin;
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            order_[end[patchwork_.label(f)]++] = f;
+        }
+        for (int l = 0; l < submesh_count; ++l) {
+            if (parts[l] > 1) {
+                const auto new_label = static_cast<int>(parts.size());
+                if (begin[l] < begin[l + 1]) {
+                    cut(begin[l], begin[l + 1], l, parts[l], new_label);
+                }
+                parts.push_back(parts[l] - parts[l] / 2);
+                parts[l] /= 2;
+            }
+        }
+    }
+
 private:
     static constexpr int kNowhere = -1;
+
+    /// Cuts the faces order_[begin, end), which have label `label`, into parts / 2 and the rest of
+    /// its parts, which get another label. Returns where that begins.
+    int cut(int begin, int end, int label, int parts, int right_label) {
+        const int face_count = end - begin;
+        Random random(seed_, static_cast<std::uint64_t>(label) << 32 | parts);
+        const int any = order_[begin + static_cast<int>(random.below(face_count))];
+        const int far_face = sort_breadth_first(begin, end, any);
+        sort_breadth_first(begin, end, far_face);
+        const int middle = begin + left_face_count(begin, end, parts / 2, parts);
+        for (int i = middle; i < end; ++i) {
+            set_mark(order_[i], mark_of(right_label));
+        }
+        return middle;
+    }
 
     /// Of the faces of a part; an odd number of searches leaves one more.
     static constexpr int mark_of(int label) {
@@ -118,7 +157,9 @@ private:
         while (count < face_count && 2 * left * parts < (2 * total * left_parts - parts)) {
             left += patchwork_.cells[order_[begin + count++]].weight;
         }
-        return std::clamp(count, left_parts, face_count - (parts - left_parts));
+        // A face for each part, if there are so many.
+        const int least = std::min(left_parts, face_count);
+        return std::clamp(count, least, std::max(least, face_count - (parts - left_parts)));
     }
 
     const Patchwork& patchwork_;
@@ -140,12 +181,13 @@ void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thr
 #pragma omp single
     bisection.split(0, face_count, 0, submesh_count);
 
-    for (int f = 0; f < face_count; ++f) {
-        patchwork.set_own_label(f, bisection.label(f));
-    }
-    patchwork.tell_neighbors(thread_count);
-    patchwork.load.resize(submesh_count);
-    sum_loads(patchwork);
+    bisection.give_labels(patchwork, submesh_count, thread_count);
+}
+
+void cut_in_two(Patchwork& patchwork, std::vector<int>& parts, std::uint64_t seed) {
+    Bisection bisection(patchwork, seed, 1);
+    bisection.cut_each(parts);
+    bisection.give_labels(patchwork, static_cast<int>(parts.size()), 1);
 }
 
 } // namespace spheroseg

@@ -4,6 +4,7 @@
 #include "patchwork.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace spheroseg {
 
@@ -13,5 +14,11 @@ namespace spheroseg {
 /// one face; sub-meshes may come out disconnected. O(F log k), parallel; the result does not
 /// depend on the number of threads. `seed` shifts where each search begins.
 void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count);
+
+/// One step of that, on labels that may have changed since the last one: cuts every sub-mesh l with
+/// parts[l] > 1 into parts[l] / 2 and the rest of its parts, as their weights are. The first side
+/// keeps the label, the other gets the next new one; `parts` (one entry >= 1 per sub-mesh) and
+/// loads are brought up to date. A sub-mesh with fewer cells than parts may leave an empty one.
+void cut_in_two(Patchwork& patchwork, std::vector<int>& parts, std::uint64_t seed);
 
 } // namespace spheroseg

@@ -2,18 +2,19 @@
 #include "fast_segmentation.h"
 
 #include "all_pairs_cohesion.h"
-#include "anneal.h"
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
-#include "budget.h"
 #include "exact_cut.h"
 #include "face_weights.h"
-#include "free_annealing.h"
+#include "history.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"
+#include "schedules.h"
 #include "sphere_bisection.h"
+#include "threads.h"
+#include "trials.h"
 #include "warm_start.h"
 #include "weight_balance.h"
 
@@ -34,16 +35,6 @@ constexpr int kSmallSubmesh = 86;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
-/// Level at which trials of the first start are compared; on their coarse meshes they may have so
-/// many faces in all. And the most trials.
-constexpr int kTrialFaces = 4000;
-constexpr int kMaxTrials = 8;
-/// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
-/// or less in each ring decides.
-constexpr double kLeastExchanges = 40000.0;
-/// So few boundary edges that these may begin hotter: they melt the boundaries, and then mend them
-/// better than they were.
-constexpr int kEdgesToMelt = 100;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -51,16 +42,6 @@ constexpr int kHighStarts = 2;
 constexpr int kManySubmeshes = 50;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
-
-/// The iterations of a start.
-struct History {
-    std::vector<double> boundary_edges;
-    std::vector<double> seconds;
-    int cohesion_iterations = 0;
-
-    int count() const { return static_cast<int>(seconds.size()); }
-    int refinement_iterations() const { return count() - cohesion_iterations; }
-};
 
 /// Where the progress is when a step ends, from 0 to 1.
 struct Shares {
@@ -81,7 +62,8 @@ public:
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          result_(result), budget_(budget_of(options.effort)), shares_(estimate_shares()) {}
+          result_(result), schedules_{budget_of(options.effort), is_small(), options.thread_count},
+          shares_(estimate_shares()) {}
 
     void run() {
         const Deadline watch;
@@ -95,9 +77,9 @@ public:
             start_progress_ = sub_progress(starts, start * share, (start + 1) * share);
             seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
             history_ = {};
-            const bool is_tried = start == 0 && trial_count() > 1;
-            Patchwork patchwork = is_tried ? best_of_trials() : first_labels(start);
-            refine_levels(patchwork, is_tried);
+            Patchwork patchwork =
+                start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
+            make_exact(patchwork);
             const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
             if (valid && start > 0 && !task_.initial_labels.empty()) {
                 rename_like(result_.labels, task_.initial_labels, submesh_count_);
@@ -162,20 +144,20 @@ private:
         const double edges = hexagonal_edges(faces);
         const double first_faces = coarsens() ? coarse_face_count() : faces;
         const double preparation = (coarsens() ? 0.45 : 0.15) * faces;
-        double start = 0.03 * budget_.relaxations * first_faces;
-        if (trial_count() > 1) {
+        double start = 0.03 * schedules_.budget.relaxations * first_faces;
+        if (trials() > 1) {
             // Every other one is annealed twice.
-            start += 1.5 * kProposal * budget_.trial_share *
-                (first_proposals() + budget_.level_proposals) *
+            start += 1.5 * kProposal * schedules_.budget.trial_share *
+                (schedules_.first_proposals() + schedules_.budget.level_proposals) *
                 hexagonal_edges(std::min<double>(kTrialFaces, faces));
-            start *= trial_count();
+            const int threads = std::min(resolve_thread_count(options_.thread_count), trials());
+            start *= static_cast<double>(trials()) / threads;
         }
         // Each coarse level has about half as many boundary edges as the next one.
         const double levels = coarsens()
-            ? kProposal * budget_.level_proposals * 2.0 * edges + 0.1 * faces
-            : kProposal * first_proposals() * edges;
-        const double exchanges =
-            0.05 * faces + kProposal * std::max(kLeastExchanges, exchange_proposals() * edges);
+            ? kProposal * schedules_.budget.level_proposals * 2.0 * edges + 0.1 * faces
+            : kProposal * schedules_.first_proposals() * edges;
+        const double exchanges = 0.05 * faces + kProposal * schedules_.exchange_count(edges);
         const double all = start + levels + exchanges;
         return {preparation / (preparation + wanted_starts() * all),
                 start / all,
@@ -190,13 +172,6 @@ private:
     /// Are sub-meshes so small that fewer proposals per boundary face suffice?
     bool is_small() const {
         return component_.face_count() < std::int64_t{kSmallSubmesh} * submesh_count_;
-    }
-
-    double first_proposals() const {
-        return is_small() ? budget_.small_first_proposals : budget_.first_proposals;
-    }
-    double exchange_proposals() const {
-        return is_small() ? budget_.small_exchange_proposals : budget_.exchange_proposals;
     }
 
     bool coarsens() const {
@@ -287,9 +262,8 @@ private:
             forced_faces_ = adopt_labels(patchwork, seed_);
             return patchwork;
         }
-        Patchwork patchwork = start == 1 && starts_on_sphere()
-            ? sphere_start()
-            : graph_start(start, 0.0, shares_.start);
+        Patchwork patchwork =
+            start == 1 && starts_on_sphere() ? sphere_start() : graph_start(start);
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
         patchwork.may_close_rings = start == 0 || any_valid_;
         forced_faces_ = repair(patchwork);
@@ -322,78 +296,48 @@ private:
     }
 
     /// With few sub-meshes the layout decides, and another one costs little.
-    int trial_count() const {
+    int trials() const {
         const bool limited = options_.max_cohesion_iterations > 0 ||
             options_.max_refinement_iterations > 0 || !task_.initial_labels.empty();
-        return limited ? 1 : std::clamp(kTrialFaces / coarse_face_count(), 1, kMaxTrials);
+        return limited ? 1 : trial_count(schedules_.budget, coarse_face_count());
     }
 
-    /// Anneals several starts up to a level where edges are about equally long, every other one
-    /// first without a care for connectedness, and keeps the one with the shortest boundary.
-    Patchwork best_of_trials() {
-        Patchwork best;
-        std::int64_t least_edges = -1;
-        const std::uint64_t first_seed = seed_;
-        for (int trial = 0; trial < trial_count(); ++trial) {
-            seed_ = first_seed + 0x51ED270BULL * static_cast<std::uint64_t>(trial);
-            const double begin = shares_.start * trial / trial_count();
-            Patchwork patchwork = graph_start(0, begin, begin);
-            if (trial % 2 == 1) {
-                anneal_trial(patchwork, true);
-            }
-            const int forced = repair(patchwork);
-            anneal_trial(patchwork, false);
-            report_progress(
-                start_progress_, shares_.start * (trial + 1) / trial_count(), "Refinement");
-            const std::int64_t edges = count_boundary_edges(patchwork, options_.thread_count) +
-                (forced > 0 ? std::int64_t{1} << 40 : 0);
-            if (least_edges < 0 || edges < least_edges) {
-                least_edges = edges;
-                forced_faces_ = forced;
-                best = std::move(patchwork);
-            }
-            if (deadline_.expired()) {
-                break;
-            }
-        }
-        seed_ = first_seed;
-        return best;
-    }
-
-    /// Up to the level of the trials.
-    void anneal_trial(Patchwork& patchwork, bool freely) {
+    Patchwork best_layout() {
         const Deadline watch;
-        AnnealSchedule schedule = first_schedule();
-        AnnealControl unrecorded;
-        unrecorded.deadline = &deadline_;
-        for (;;) {
-            set_balance(schedule, patchwork, 0.5, 1.5);
-            schedule.proposals_per_face *= budget_.trial_share;
-            if (freely) {
-                anneal_freely(patchwork, schedule, deadline_);
-            } else {
-                anneal(patchwork, schedule, unrecorded);
-            }
-            continue_schedule(schedule);
-            if (patchwork.face_count() >= std::min(kTrialFaces, component_.face_count())) {
-                break;
-            }
-            multilevel_->uncoarsen(patchwork, options_.thread_count);
+        Trial best = best_of_trials(trials(),
+                                    *multilevel_,
+                                    submesh_count_,
+                                    coarse_face_count(),
+                                    schedules_,
+                                    seed_,
+                                    deadline_,
+                                    sub_progress(start_progress_, 0.0, shares_.start));
+        history_ = std::move(best.history);
+        forced_faces_ = best.forced_faces;
+        result_.cohesion_seconds += watch.elapsed_seconds();
+        if (best.patchwork.face_count() < component_.face_count()) {
+            multilevel_->uncoarsen(best.patchwork, options_.thread_count);
+            anneal_up(best.patchwork, schedules_.next(best.schedule));
         }
-        result_.refinement_seconds += watch.elapsed_seconds();
+        return std::move(best.patchwork);
     }
 
-    /// Its progress is the part [begin, end] of that of the start.
-    Patchwork graph_start(int start, double begin, double end) {
+    Patchwork annealed_labels(int start) {
+        Patchwork patchwork = first_labels(start);
+        anneal_up(patchwork, schedules_.first(seed_));
+        return patchwork;
+    }
+
+    Patchwork graph_start(int start) {
         const Deadline watch;
         Patchwork patchwork =
             level_with(coarsens() && start < 2 ? coarse_face_count() : component_.face_count());
         bisect(patchwork, submesh_count_, seed_, options_.thread_count);
         if (start < 3) {
-            AnnealControl cohesion = control(begin, end);
+            AnnealControl cohesion = control(0.0, shares_.start);
             cohesion.max_phases = max_cohesion_iterations();
             const int before = history_.count();
-            relax(patchwork, budget_.relaxations, options_.thread_count, cohesion);
+            relax(patchwork, schedules_.budget.relaxations, options_.thread_count, cohesion);
             history_.cohesion_iterations += history_.count() - before;
         }
         result_.cohesion_seconds += watch.elapsed_seconds();
@@ -432,63 +376,27 @@ private:
         return options_.max_cohesion_iterations > 0 ? options_.max_cohesion_iterations : 1 << 30;
     }
 
-    /// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
-    /// load may be off stays the same; a strength of 0.5 to 10 lets loads differ by some per cent.
-    void
-    set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
-        const double faces_per_submesh =
-            static_cast<double>(patchwork.face_count()) / submesh_count_;
-        schedule.balance_weight_begin = begin / faces_per_submesh;
-        schedule.balance_weight_end = end / faces_per_submesh;
-    }
-
-    AnnealSchedule first_schedule() const {
-        AnnealSchedule schedule;
-        schedule.thread_count = options_.thread_count;
-        schedule.seed = seed_;
-        schedule.temperature_begin = 0.35;
-        schedule.temperature_end = 0.15;
-        schedule.proposals_per_face = first_proposals();
-        schedule.phase_count = budget_.first_phases;
-        return schedule;
-    }
-
-    void continue_schedule(AnnealSchedule& schedule) const {
-        ++schedule.seed;
-        schedule.temperature_begin = 0.25;
-        schedule.proposals_per_face = budget_.level_proposals;
-        schedule.phase_count = budget_.level_phases;
-    }
-
-    /// `is_annealed`: the first level was annealed before.
-    void refine_levels(Patchwork& patchwork, bool is_annealed) {
+    /// Anneals all levels from that of the patchwork on.
+    void anneal_up(Patchwork& patchwork, const AnnealSchedule& schedule) {
         const Deadline watch;
-        AnnealSchedule schedule = first_schedule();
-        if (is_annealed) {
-            continue_schedule(schedule);
-        }
-        const int face_count = component_.face_count();
-        // Boundaries and times grow with the square root of the number of cells.
-        const auto share_of = [&](const Patchwork& level) {
-            return shares_.start +
-                (shares_.levels - shares_.start) *
-                std::sqrt(static_cast<double>(level.face_count()) / face_count);
-        };
         double done = shares_.start;
-        while (patchwork.face_count() < face_count) {
-            set_balance(schedule, patchwork, 0.5, 1.5);
-            const double next = share_of(patchwork);
-            if (!is_annealed) {
-                anneal(patchwork, schedule, control(done, next));
-                continue_schedule(schedule);
-            }
-            is_annealed = false;
-            done = next;
-            multilevel_->uncoarsen(patchwork, options_.thread_count);
-        }
-        schedule.temperature_end = 0.1;
-        set_balance(schedule, patchwork, 0.5, 10.0);
-        anneal(patchwork, schedule, control(done, shares_.levels));
+        const auto control_of = [&](const Patchwork& level) {
+            // Boundaries and times grow with the square root of the number of cells.
+            const double begin =
+                std::exchange(done,
+                              shares_.start +
+                                  (shares_.levels - shares_.start) *
+                                      std::sqrt(static_cast<double>(level.face_count()) /
+                                                component_.face_count()));
+            return control(begin, done);
+        };
+        anneal_levels(
+            patchwork, *multilevel_, schedules_, schedule, component_.face_count(), control_of);
+        result_.refinement_seconds += watch.elapsed_seconds();
+    }
+
+    void make_exact(Patchwork& patchwork) {
+        const Deadline watch;
         if (by_weight()) {
             balance_by_weight(patchwork, exchanges(patchwork), control(shares_.levels, 1.0));
         } else if (balance(patchwork)) {
@@ -521,15 +429,8 @@ private:
         bool balanced = balance_by(100);
         for (int i = 0; i < kBalanceTries && !balanced && !deadline_.is_overdue(); ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
-            AnnealSchedule schedule;
-            schedule.thread_count = options_.thread_count;
-            schedule.seed = seed_ + 1000 + static_cast<std::uint64_t>(i);
-            schedule.temperature_begin = 0.6;
-            schedule.temperature_end = 0.2;
-            schedule.balance_weight_begin = 0.1;
-            schedule.balance_weight_end = 1.0;
-            schedule.proposals_per_face = 100.0;
-            schedule.phase_count = 12;
+            const AnnealSchedule schedule =
+                schedules_.shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
             AnnealControl control;
             control.progress = progress;
             anneal(patchwork, schedule, control);
@@ -539,16 +440,7 @@ private:
     }
 
     AnnealSchedule exchanges(const Patchwork& patchwork) const {
-        AnnealSchedule schedule;
-        schedule.thread_count = options_.thread_count;
-        schedule.seed = seed_ + 2000;
-        schedule.temperature_begin =
-            count_boundary_edges(patchwork, options_.thread_count) < kEdgesToMelt ? 0.5 : 0.25;
-        schedule.temperature_end = 0.08;
-        schedule.proposals_per_face = exchange_proposals();
-        schedule.least_proposals = kLeastExchanges;
-        schedule.phase_count = budget_.level_phases;
-        return schedule;
+        return schedules_.exchanges(patchwork, seed_ + 2000);
     }
 
     AnnealControl control(double begin, double end) {
@@ -556,8 +448,7 @@ private:
         control.deadline = &deadline_;
         control.device = task_.device;
         control.progress = sub_progress(start_progress_, begin, end);
-        control.boundary_edges = &history_.boundary_edges;
-        control.seconds = &history_.seconds;
+        history_.record(control);
         if (options_.max_refinement_iterations > 0) {
             control.max_phases =
                 options_.max_refinement_iterations - history_.refinement_iterations();
@@ -574,7 +465,7 @@ private:
     const Progress& progress_;
     Progress start_progress_;
     Segmentation& result_;
-    const Budget budget_;
+    const Schedules schedules_;
     const Shares shares_;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;

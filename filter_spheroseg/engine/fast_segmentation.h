@@ -18,17 +18,17 @@ struct ComponentTask {
     std::vector<double> weights;
     /// Of its faces, in [0, submesh_count), or -1 for none; or empty.
     std::vector<int> initial_labels;
-    /// May be null. Anneals instead of the cores, with the same result, all but the short trials
-    /// from which the first start is chosen.
+    /// May be null. Anneals instead of the cores, with the same result, all but the trials from
+    /// which the first start is chosen.
     AnnealDevice* device = nullptr;
 };
 
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive
-/// bisection and Lloyd's relaxation of the dual graph, annealing of the boundaries on every level,
-/// exact balance by chains of moves, and exchanges at exact balance. Uses only the connectivity of
-/// the mesh, never its coordinates. Every sub-mesh stays connected and free of bowties at every
-/// moment; when the balance can not be reached, it is tried again from other starts, and the best
-/// result is kept.
+/// bisection and Lloyd's relaxation of the dual graph (of few sub-meshes, the best of several
+/// starts of different kinds), annealing of the boundaries on every level, exact balance by chains
+/// of moves, and exchanges at exact balance. Uses only the connectivity of the mesh, never its
+/// coordinates. Every sub-mesh stays connected and free of bowties at every moment; when the
+/// balance can not be reached, it is tried again from other starts, and the best result is kept.
 /// With weights, the heaviest load is lowered (balance_by_weight) instead of the exact balance.
 /// With initial labels, the first start is these, adopted (adopt_labels) and refined on the finest
 /// level; if they are valid and balanced already, they also compete with the results.

@@ -36,8 +36,9 @@ SegmentOptions options_of(Method method, Effort effort, int submesh_count) {
 /// Both methods; every way in which `fast` starts.
 std::vector<Trial> trials() {
     return {
-        {"fast, coarse start", displaced_sphere(3), options_of(Method::fast, Effort::draft, 8)},
-        {"fast, fine start", flipped_sphere(2, 200), options_of(Method::fast, Effort::draft, 40)},
+        {"fast, coarse trials", displaced_sphere(3), options_of(Method::fast, Effort::draft, 8)},
+        {"fast, fine trials", flipped_sphere(2, 200), options_of(Method::fast, Effort::draft, 40)},
+        {"fast, no trials", displaced_sphere(4), options_of(Method::fast, Effort::draft, 130)},
         {"fast, sphere start", displaced_sphere(2), options_of(Method::fast, Effort::high, 60)},
         {"fast, slivers", slivers(60, true), options_of(Method::fast, Effort::draft, 30)},
         {"all_pairs", icosphere(2), options_of(Method::all_pairs, Effort::standard, 20)},
@@ -71,21 +72,30 @@ TEST(Cancel, AtEveryCallOfEveryStepLeavesTheMeshUsable) {
         const Calls calls = watch(trial, reference);
         steps.insert(calls.steps.begin(), calls.steps.end());
         const std::vector<int> expected = segment(reference, trial.options).labels;
+        int reached = 0;
         for (int stop = 1; stop <= calls.count; ++stop) {
             PreparedMesh prepared(trial.mesh, 2);
             int left = stop;
-            EXPECT_THROW(
-                segment(prepared, trial.options, [&](double, const char*) { return --left > 0; }),
-                Cancelled);
-            EXPECT_EQ(left, 0) << "called again after it said stop";
+            bool cancelled = false;
+            try {
+                segment(prepared, trial.options, [&](double, const char*) { return --left > 0; });
+            } catch (const Cancelled&) {
+                cancelled = true;
+            }
+            // How many calls there are depends on which thread does what, where they share tasks.
+            EXPECT_EQ(cancelled, left <= 0);
+            EXPECT_GE(left, 0) << "called again after it said stop";
+            reached += cancelled;
             if (stop % 5 == 1) {
                 EXPECT_EQ(segment(prepared, trial.options).labels, expected) << stop;
             }
         }
+        EXPECT_GT(reached, calls.count / 2);
     }
     for (const char* step : {"Simplifying the mesh",
                              "Mapping to the sphere",
                              "Cohesion",
+                             "Trials",
                              "Relaxation",
                              "Refinement",
                              "Exchanges"}) {
@@ -143,11 +153,11 @@ TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
         const std::vector<int> unlimited = segment(prepared, trial.options).labels;
         const int calls = watch(trial, prepared).count;
         trial.options.time_limit_seconds = kLimit;
-        // The last call says that all is done.
         for (int late = 1; late < calls; late += 1 + calls / 40) {
             int left = late;
-            const auto dawdle = [&](double, const char*) {
-                if (--left == 0) {
+            const auto dawdle = [&](double fraction, const char*) {
+                left -= fraction < 1.0;
+                if (left == 0) {
                     std::this_thread::sleep_for(std::chrono::duration<double>(kLimit));
                 }
                 return true;
@@ -155,7 +165,10 @@ TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
             const Segmentation result = segment(prepared, trial.options, dawdle);
             const bool fast = trial.options.method == Method::fast;
             EXPECT_LE(result.measures.max_triangle_count_difference, 1) << late;
-            EXPECT_TRUE(!fast || (result.measures.is_valid() && result.time_limit_hit)) << late;
+            // The last calls may not come (their number depends on which thread does what), and the
+            // very last one says that all is done.
+            const bool is_hit = result.time_limit_hit || left > 0;
+            EXPECT_TRUE(!fast || (result.measures.is_valid() && is_hit)) << late;
             if (!result.time_limit_hit) {
                 EXPECT_EQ(result.labels, unlimited) << "cut short without a word at " << late;
             }

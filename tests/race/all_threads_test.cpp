@@ -45,6 +45,13 @@ TEST(AllThreads, FastFromACoarseStart) {
     expect_same_labels(options);
 }
 
+TEST(AllThreads, FastFromTrials) {
+    SegmentOptions options;
+    options.submesh_count = 20;
+    options.effort = Effort::draft;
+    expect_same_labels(options);
+}
+
 TEST(AllThreads, FastOfManySubmeshes) {
     SegmentOptions options = short_options(1000);
     options.max_refinement_iterations = 20;

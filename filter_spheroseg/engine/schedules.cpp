@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "schedules.h"
+
+#include "boundary.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+namespace {
+
+/// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
+/// or less in each ring decides.
+constexpr double kLeastExchanges = 40000.0;
+/// So few boundary edges that these may begin hotter: they melt the boundaries, and then mend them
+/// better than they were.
+constexpr int kEdgesToMelt = 100;
+
+} // namespace
+
+double Schedules::first_proposals() const {
+    return are_small ? budget.small_first_proposals : budget.first_proposals;
+}
+
+double Schedules::exchange_proposals() const {
+    return are_small ? budget.small_exchange_proposals : budget.exchange_proposals;
+}
+
+double Schedules::exchange_count(double boundary_edges) const {
+    return std::max(kLeastExchanges, exchange_proposals() * boundary_edges);
+}
+
+AnnealSchedule Schedules::first(std::uint64_t seed) const {
+    AnnealSchedule schedule;
+    schedule.thread_count = thread_count;
+    schedule.seed = seed;
+    schedule.temperature_begin = 0.35;
+    schedule.temperature_end = 0.15;
+    schedule.proposals_per_face = share * first_proposals();
+    schedule.phase_count = budget.first_phases;
+    return schedule;
+}
+
+AnnealSchedule Schedules::next(const AnnealSchedule& schedule) const {
+    AnnealSchedule next = schedule;
+    ++next.seed;
+    next.temperature_begin = 0.25;
+    next.proposals_per_face = share * budget.level_proposals;
+    next.phase_count = budget.level_phases;
+    return next;
+}
+
+AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t seed) const {
+    AnnealSchedule schedule;
+    schedule.thread_count = thread_count;
+    schedule.seed = seed;
+    schedule.temperature_begin =
+        count_boundary_edges(patchwork, thread_count) < kEdgesToMelt ? 0.5 : 0.25;
+    schedule.temperature_end = 0.08;
+    schedule.proposals_per_face = exchange_proposals();
+    schedule.least_proposals = kLeastExchanges;
+    schedule.phase_count = budget.level_phases;
+    return schedule;
+}
+
+AnnealSchedule Schedules::shaking(std::uint64_t seed) const {
+    AnnealSchedule schedule;
+    schedule.thread_count = thread_count;
+    schedule.seed = seed;
+    schedule.temperature_begin = 0.6;
+    schedule.temperature_end = 0.2;
+    schedule.balance_weight_begin = 0.1;
+    schedule.balance_weight_end = 1.0;
+    schedule.proposals_per_face = 100.0;
+    schedule.phase_count = 12;
+    return schedule;
+}
+
+void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
+    const double faces_per_submesh =
+        static_cast<double>(patchwork.face_count()) / patchwork.submesh_count();
+    schedule.balance_weight_begin = begin / faces_per_submesh;
+    schedule.balance_weight_end = end / faces_per_submesh;
+}
+
+} // namespace spheroseg

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "history.h"
+#include "schedules.h"
+
+namespace spheroseg {
+
+/// Levels with fewer cells than that are annealed in every trial.
+constexpr int kTrialFaces = 4000;
+
+/// A start with few sub-meshes: their layout decides how long the boundaries will be, and to try
+/// another one costs little.
+struct Trial {
+    Patchwork patchwork;
+    /// Its last annealing.
+    AnnealSchedule schedule;
+    /// As `repair` returns it.
+    int forced_faces = 0;
+    History history;
+};
+
+/// How many trials are worth their time, at least 1, where the first level has so many cells.
+int trial_count(const Budget& budget, int first_face_count);
+
+/// Makes `count` trials on the coarsest level with at least `first_face_count` cells and anneals
+/// them up to a level where edges are about equally long; those with the shortest boundaries go on
+/// for some levels, or to the end of a small mesh. Returns the best one, annealed on its level. Of
+/// every four trials one is annealed without a care for connectedness first, so that boundaries can
+/// begin to pass through holes and handles, and one is cut in two again and again with an annealing
+/// after each cut, which finds rings. They are worked on side by side; the result does not depend
+/// on the number of threads. When the time is up, fewer are made. Throws Cancelled.
+Trial best_of_trials(int count,
+                     const Multilevel& multilevel,
+                     int submesh_count,
+                     int first_face_count,
+                     const Schedules& schedules,
+                     std::uint64_t seed,
+                     const Deadline& deadline,
+                     const Progress& progress);
+
+} // namespace spheroseg
