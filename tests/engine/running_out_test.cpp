@@ -156,8 +156,7 @@ TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
         for (int late = 1; late < calls; late += 1 + calls / 40) {
             int left = late;
             const auto dawdle = [&](double fraction, const char*) {
-                left -= fraction < 1.0;
-                if (left == 0) {
+                if (fraction < 1.0 && --left == 0) {
                     std::this_thread::sleep_for(std::chrono::duration<double>(kLimit));
                 }
                 return true;
