@@ -43,10 +43,19 @@ constexpr int kManySubmeshes = 50;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
 
-/// Where the progress is when a step ends, from 0 to 1.
+/// How long the steps take, roughly, in microseconds on two cores.
+struct StartCost {
+    /// The first labels.
+    double start;
+    /// The annealing of the levels.
+    double levels;
+    double exchanges;
+
+    double sum() const { return start + levels + exchanges; }
+};
+
+/// Where the progress of a start is when a step ends, from 0 to 1.
 struct Shares {
-    double preparation;
-    /// Of each start: its first labels, and the annealing of the levels.
     double start;
     double levels;
 };
@@ -62,21 +71,17 @@ public:
                      Segmentation& result)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          result_(result), schedules_{budget_of(options.effort), is_small(), options.thread_count},
-          shares_(estimate_shares()) {}
+          result_(result), schedules_{budget_of(options.effort), is_small(), options.thread_count} {
+    }
 
     void run() {
         const Deadline watch;
-        prepare_levels(sub_progress(progress_, 0, shares_.preparation));
+        prepare_levels(sub_progress(progress_, 0, preparation_share()));
         result_.parametrization_seconds += watch.elapsed_seconds();
         consider_input();
         const std::optional<Segmentation> reserve = make_reserve();
-        const Progress starts = sub_progress(progress_, shares_.preparation, 1.0);
         for (int start = 0; start < kMaxStarts; ++start) {
-            const double share = 1.0 / std::max(wanted_starts(), start + 1);
-            start_progress_ = sub_progress(starts, start * share, (start + 1) * share);
-            seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
-            history_ = {};
+            begin_start(start);
             Patchwork patchwork =
                 start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
             make_exact(patchwork);
@@ -137,36 +142,48 @@ private:
         }
     }
 
-    /// Progress is by the times that the steps take, roughly, in microseconds on two cores.
-    Shares estimate_shares() const {
-        constexpr double kProposal = 0.1;
-        const double faces = component_.face_count();
-        const double edges = hexagonal_edges(faces);
-        const double first_faces = coarsens() ? coarse_face_count() : faces;
-        const double preparation = (coarsens() ? 0.45 : 0.15) * faces;
-        double start = 0.03 * schedules_.budget.relaxations * first_faces;
-        if (trials() > 1) {
-            // Every other one is annealed twice.
-            start += 1.5 * kProposal * schedules_.budget.trial_share *
-                (schedules_.first_proposals() + schedules_.budget.level_proposals) *
-                hexagonal_edges(std::min<double>(kTrialFaces, faces));
-            const int threads = std::min(resolve_thread_count(options_.thread_count), trials());
-            start *= static_cast<double>(trials()) / threads;
-        }
-        // Each coarse level has about half as many boundary edges as the next one.
-        const double levels = coarsens()
-            ? kProposal * schedules_.budget.level_proposals * 2.0 * edges + 0.1 * faces
-            : kProposal * schedules_.first_proposals() * edges;
-        const double exchanges = 0.05 * faces + kProposal * schedules_.exchange_count(edges);
-        const double all = start + levels + exchanges;
-        return {preparation / (preparation + wanted_starts() * all),
-                start / all,
-                (start + levels) / all};
+    /// Progress is by the times that the steps take.
+    double preparation_share() const {
+        const double preparation = (coarsens() ? 0.45 : 0.15) * component_.face_count();
+        return preparation / (preparation + cost_before(wanted_starts()));
     }
 
-    /// Boundary edges of hexagonal sub-meshes.
-    double hexagonal_edges(double face_count) const {
-        return std::sqrt(1.5 * face_count * submesh_count_);
+    double cost_before(int start) const {
+        return start == 0 ? 0.0 : cost_of_start(0).sum() + (start - 1) * cost_of_start(1).sum();
+    }
+
+    void begin_start(int start) {
+        const double all = cost_before(std::max(wanted_starts(), start + 1));
+        start_progress_ = sub_progress(sub_progress(progress_, preparation_share(), 1.0),
+                                       cost_before(start) / all,
+                                       cost_before(start + 1) / all);
+        const StartCost cost = cost_of_start(start);
+        shares_ = {cost.start / cost.sum(), (cost.start + cost.levels) / cost.sum()};
+        seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
+        history_ = {};
+    }
+
+    StartCost cost_of_start(int start) const {
+        constexpr double kProposal = 0.1;
+        const double faces = component_.face_count();
+        const double edges = hexagonal_edges(faces, submesh_count_);
+        const double first_faces = coarsens() ? coarse_face_count() : faces;
+        double first = 0.03 * schedules_.budget.relaxations * first_faces;
+        double proposals =
+            schedules_.first_proposals() * hexagonal_edges(first_faces, submesh_count_);
+        double done_faces = first_faces;
+        if (start == 0 && trials() > 1) {
+            const TrialWork work = trial_work(
+                trials(), component_.face_count(), submesh_count_, coarse_face_count(), schedules_);
+            first = kProposal * work.proposals();
+            proposals = 0.0;
+            done_faces = work.face_count;
+        }
+        proposals +=
+            schedules_.further_proposals(hexagonal_edges(done_faces, submesh_count_), edges);
+        return {first,
+                kProposal * proposals + (coarsens() ? 0.1 * faces : 0.0),
+                kProposal * schedules_.exchange_count(edges) + 0.05 * faces};
     }
 
     /// Are sub-meshes so small that fewer proposals per boundary face suffice?
@@ -202,7 +219,7 @@ private:
         SegmentOptions quick = options_;
         quick.effort = Effort::standard;
         Segmentation reserve;
-        const Progress progress = sub_progress(progress_, shares_.preparation, shares_.preparation);
+        const Progress progress = sub_progress(progress_, preparation_share(), preparation_share());
         FastSegmentation run(component_, whole_, quick, task_, deadline_, progress, reserve);
         run.run();
         result_.cohesion_seconds += reserve.cohesion_seconds;
@@ -302,6 +319,14 @@ private:
         return limited ? 1 : trial_count(schedules_.budget, coarse_face_count());
     }
 
+    /// The control on levels that take a part of the time of all of them.
+    auto levels_control() {
+        return [this](double begin, double end) {
+            const double all = shares_.levels - shares_.start;
+            return control(shares_.start + begin * all, shares_.start + end * all);
+        };
+    }
+
     Patchwork best_layout() {
         const Deadline watch;
         Trial best = best_of_trials(trials(),
@@ -316,15 +341,14 @@ private:
         forced_faces_ = best.forced_faces;
         result_.cohesion_seconds += watch.elapsed_seconds();
         if (best.patchwork.face_count() < component_.face_count()) {
-            multilevel_->uncoarsen(best.patchwork, options_.thread_count);
-            anneal_up(best.patchwork, schedules_.next(best.schedule));
+            anneal_further_up(best.patchwork, best.schedule);
         }
         return std::move(best.patchwork);
     }
 
     Patchwork annealed_labels(int start) {
         Patchwork patchwork = first_labels(start);
-        anneal_up(patchwork, schedules_.first(seed_));
+        anneal_up(patchwork);
         return patchwork;
     }
 
@@ -377,21 +401,25 @@ private:
     }
 
     /// Anneals all levels from that of the patchwork on.
-    void anneal_up(Patchwork& patchwork, const AnnealSchedule& schedule) {
+    void anneal_up(Patchwork& patchwork) {
         const Deadline watch;
-        double done = shares_.start;
-        const auto control_of = [&](const Patchwork& level) {
-            // Boundaries and times grow with the square root of the number of cells.
-            const double begin =
-                std::exchange(done,
-                              shares_.start +
-                                  (shares_.levels - shares_.start) *
-                                      std::sqrt(static_cast<double>(level.face_count()) /
-                                                component_.face_count()));
-            return control(begin, done);
-        };
-        anneal_levels(
-            patchwork, *multilevel_, schedules_, schedule, component_.face_count(), control_of);
+        anneal_levels(patchwork,
+                      *multilevel_,
+                      schedules_,
+                      schedules_.first(seed_),
+                      component_.face_count(),
+                      levels_control());
+        result_.refinement_seconds += watch.elapsed_seconds();
+    }
+
+    void anneal_further_up(Patchwork& patchwork, const AnnealSchedule& schedule) {
+        const Deadline watch;
+        anneal_further_levels(patchwork,
+                              *multilevel_,
+                              schedules_,
+                              schedule,
+                              component_.face_count(),
+                              levels_control());
         result_.refinement_seconds += watch.elapsed_seconds();
     }
 
@@ -466,7 +494,7 @@ private:
     Progress start_progress_;
     Segmentation& result_;
     const Schedules schedules_;
-    const Shares shares_;
+    Shares shares_ = {};
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::int64_t least_cost_ = -1;

@@ -2,8 +2,10 @@
 #include "schedules.h"
 
 #include "boundary.h"
+#include "levels.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace spheroseg {
 
@@ -20,6 +22,12 @@ constexpr int kEdgesToMelt = 100;
 
 double Schedules::first_proposals() const {
     return are_small ? budget.small_first_proposals : budget.first_proposals;
+}
+
+double Schedules::further_proposals(double first_edges, double last_edges) const {
+    // Edges grow by this factor from level to level.
+    const double growth = std::sqrt(1.0 / MeshLevels::kLeastShare);
+    return share * budget.level_proposals * (last_edges - first_edges) * growth / (growth - 1.0);
 }
 
 double Schedules::exchange_proposals() const {
@@ -43,6 +51,7 @@ AnnealSchedule Schedules::first(std::uint64_t seed) const {
 
 AnnealSchedule Schedules::next(const AnnealSchedule& schedule) const {
     AnnealSchedule next = schedule;
+    next.thread_count = thread_count;
     ++next.seed;
     next.temperature_begin = 0.25;
     next.proposals_per_face = share * budget.level_proposals;
@@ -74,6 +83,10 @@ AnnealSchedule Schedules::shaking(std::uint64_t seed) const {
     schedule.proposals_per_face = 100.0;
     schedule.phase_count = 12;
     return schedule;
+}
+
+double hexagonal_edges(double face_count, int submesh_count) {
+    return std::sqrt(1.5 * face_count * submesh_count);
 }
 
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {

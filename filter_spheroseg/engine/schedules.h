@@ -5,6 +5,9 @@
 #include "budget.h"
 #include "multilevel.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace spheroseg {
 
 /// The annealings of `fast`.
@@ -17,6 +20,9 @@ struct Schedules {
     double share = 1.0;
 
     double first_proposals() const;
+    /// Roughly the proposals on all further levels, from a first one with so many boundary edges up
+    /// to one with more.
+    double further_proposals(double first_edges, double last_edges) const;
     /// Exchanges where there are so many boundary edges.
     double exchange_count(double boundary_edges) const;
 
@@ -33,12 +39,16 @@ private:
     double exchange_proposals() const;
 };
 
+/// Boundary edges of hexagonal sub-meshes of so many faces in all.
+double hexagonal_edges(double face_count, int submesh_count);
+
 /// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
 /// load may be off stays the same; a strength of 0.5 to 10 lets loads differ by some per cent.
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end);
 
 /// Anneals a patchwork on its level by `schedule`, and then on all finer ones up to the first with
-/// at least `face_count` cells. `control_of(patchwork)` gives the control on each level. Returns
+/// at least `face_count` cells. `control_of(begin, end)` gives the control on a level that takes
+/// this part of the time, where levels of up to `done_faces` cells were annealed before. Returns
 /// the last schedule.
 template <typename ControlOf>
 AnnealSchedule anneal_levels(Patchwork& patchwork,
@@ -46,20 +56,45 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
                              const Schedules& schedules,
                              AnnealSchedule schedule,
                              int face_count,
-                             const ControlOf& control_of) {
+                             const ControlOf& control_of,
+                             int done_faces = 0) {
+    // Boundaries and times grow with the square root of the number of cells.
+    const double done = std::sqrt(done_faces);
+    const double all = std::sqrt(std::min(face_count, multilevel.face_count()));
+    double begin = 0.0;
     for (;;) {
         const bool is_finest = patchwork.face_count() == multilevel.face_count();
+        const bool is_last = is_finest || patchwork.face_count() >= face_count;
+        const double end =
+            is_last ? 1.0 : (std::sqrt(patchwork.face_count()) - done) / (all - done);
         if (is_finest) {
             schedule.temperature_end = 0.1;
         }
         set_balance(schedule, patchwork, 0.5, is_finest ? 10.0 : 1.5);
-        anneal(patchwork, schedule, control_of(patchwork));
-        if (is_finest || patchwork.face_count() >= face_count) {
+        anneal(patchwork, schedule, control_of(begin, end));
+        if (is_last) {
             return schedule;
         }
+        begin = end;
         schedule = schedules.next(schedule);
         multilevel.uncoarsen(patchwork, schedule.thread_count);
     }
+}
+
+/// The same from the next finer level on, or once more on the finest, after an annealing by
+/// `schedule`.
+template <typename ControlOf>
+AnnealSchedule anneal_further_levels(Patchwork& patchwork,
+                                     const Multilevel& multilevel,
+                                     const Schedules& schedules,
+                                     const AnnealSchedule& schedule,
+                                     int face_count,
+                                     const ControlOf& control_of) {
+    const int done_faces = patchwork.face_count();
+    const AnnealSchedule next = schedules.next(schedule);
+    multilevel.uncoarsen(patchwork, next.thread_count);
+    return anneal_levels(
+        patchwork, multilevel, schedules, next, face_count, control_of, done_faces);
 }
 
 } // namespace spheroseg

@@ -10,6 +10,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace spheroseg {
@@ -17,6 +18,8 @@ namespace spheroseg {
 namespace {
 
 constexpr int kMaxTrials = 12;
+/// Every trial is annealed up to the first level with so many cells.
+constexpr int kTrialFaces = 4000;
 /// So many of the best trials go on up to a level with so many cells, unless one is much worse than
 /// the best.
 constexpr std::ptrdiff_t kFinalists = 2;
@@ -25,8 +28,10 @@ constexpr double kMuchWorse = 1.15;
 /// Free annealing begins so hot, with so many times the proposals, that the layout melts.
 constexpr double kMelting = 1.0;
 constexpr double kMeltingProposals = 2.0;
-/// The part of the time that it takes to make all trials.
-constexpr double kMakingShare = 0.7;
+/// Melting or cutting takes about this part of such a trial.
+constexpr double kBegun = 0.6;
+/// A relaxation passes over so many cells in the time of a proposal.
+constexpr double kRelaxedPerProposal = 3.0;
 
 struct Candidate {
     Trial trial;
@@ -51,9 +56,11 @@ public:
         short_schedules_.share = schedules_.budget.trial_share;
     }
 
-    Trial best(int count, std::uint64_t seed, const Progress& progress) const {
+    Trial
+    best(int count, std::uint64_t seed, const TrialWork& work, const Progress& progress) const {
+        const double made = work.making / work.proposals();
         std::vector<Candidate> candidates(count);
-        run_all(candidates, sub_progress(progress, 0.0, kMakingShare), [&](int i, auto& control) {
+        run_all(candidates, sub_progress(progress, 0.0, made), [&](int i, auto& control) {
             if (i == 0 || !deadline_.expired()) {
                 Trial& trial = candidates[i].trial;
                 make(trial, i % 4, seed + 0x51ED270BULL * static_cast<std::uint64_t>(i), control);
@@ -61,7 +68,7 @@ public:
             }
         });
         keep_best(candidates);
-        run_all(candidates, sub_progress(progress, kMakingShare, 1.0), [&](int i, auto& control) {
+        run_all(candidates, sub_progress(progress, made, 1.0), [&](int i, auto& control) {
             go_on(candidates[i].trial, control);
             candidates[i].cost = cost(candidates[i].trial);
         });
@@ -75,16 +82,23 @@ private:
                  const Progress& progress,
                  const Work& work) const {
         const auto count = static_cast<int>(candidates.size());
-        std::atomic<int> done{0};
+        std::vector<std::atomic<double>> parts(count);
         const auto report = [&] {
-            return !progress || progress(static_cast<double>(done) / count, "Trials");
+            double sum = 0.0;
+            for (const std::atomic<double>& part : parts) {
+                sum += part;
+            }
+            return !progress || progress(sum / count, "Trials");
         };
         run_tasks(count, thread_count_, report, [&](int i, const Progress& heard) {
             AnnealControl control;
             control.deadline = &deadline_;
-            control.progress = heard;
+            control.progress = [&](double part, const char* step) {
+                parts[i] = part;
+                return heard(part, step);
+            };
             work(i, control);
-            ++done;
+            parts[i] = 1.0;
         });
     }
 
@@ -104,26 +118,37 @@ private:
     }
 
     void make(Trial& trial, int kind, std::uint64_t seed, const AnnealControl& control) const {
+        const AnnealControl begun = part_of(control, 0.0, kBegun);
         trial.patchwork = multilevel_.coarsen(first_face_count_, submesh_count_);
         if (kind == 3) {
-            cut_again_and_again(trial.patchwork, seed, control);
+            cut_again_and_again(trial.patchwork, seed, begun);
         } else {
             bisect(trial.patchwork, submesh_count_, seed, 1);
-            AnnealControl recorded = control;
+            AnnealControl recorded = part_of(control, 0.0, 0.0);
             trial.history.record(recorded);
             relax(trial.patchwork, schedules_.budget.relaxations, 1, recorded);
             trial.history.cohesion_iterations = trial.history.count();
         }
         if (kind == 1) {
-            anneal_freely_up(trial.patchwork, seed, control);
+            anneal_freely_up(trial.patchwork, seed, begun);
         }
+        const double begin = kind % 2 == 1 ? kBegun : 0.0;
         trial.forced_faces = repair(trial.patchwork);
-        trial.schedule = anneal_levels(trial.patchwork,
-                                       multilevel_,
-                                       short_schedules_,
-                                       short_schedules_.first(seed),
-                                       kTrialFaces,
-                                       [&](const Patchwork&) { return control; });
+        trial.schedule = anneal_levels(
+            trial.patchwork,
+            multilevel_,
+            short_schedules_,
+            short_schedules_.first(seed),
+            kTrialFaces,
+            [&](double from, double to) {
+                return part_of(control, begin + (1.0 - begin) * from, begin + (1.0 - begin) * to);
+            });
+    }
+
+    static AnnealControl part_of(const AnnealControl& control, double begin, double end) {
+        AnnealControl part = control;
+        part.progress = sub_progress(control.progress, begin, end);
+        return part;
     }
 
     void cut_again_and_again(Patchwork& patchwork,
@@ -132,9 +157,11 @@ private:
         AnnealSchedule schedule = short_schedules_.first(seed);
         set_balance(schedule, patchwork, 0.5, 1.5);
         const auto unit = static_cast<int>(mean_load(patchwork));
+        const double count = submesh_count_;
         std::vector<int> parts{submesh_count_};
         patchwork.load.resize(1);
         while (static_cast<int>(parts.size()) < submesh_count_) {
+            const double begin = parts.size() / count;
             cut_in_two(patchwork, parts, schedule.seed++);
             repair(patchwork);
             // The annealing is to take a sub-mesh of several parts for as heavy as one of fewer.
@@ -142,7 +169,7 @@ private:
             for (std::size_t l = 0; l < parts.size(); ++l) {
                 patchwork.load[l] += (most - parts[l]) * unit;
             }
-            anneal(patchwork, schedule, control);
+            anneal(patchwork, schedule, part_of(control, begin, parts.size() / count));
             sum_loads(patchwork);
         }
     }
@@ -152,13 +179,17 @@ private:
         AnnealSchedule schedule = short_schedules_.first(seed);
         schedule.temperature_begin = kMelting;
         schedule.proposals_per_face *= kMeltingProposals;
+        const int last = std::min(kTrialFaces, multilevel_.face_count());
         for (;;) {
             set_balance(schedule, patchwork, 0.5, 1.5);
             anneal_freely(patchwork, schedule, deadline_);
-            report_progress(control.progress, 1.0, "");
-            if (patchwork.face_count() >= std::min(kTrialFaces, multilevel_.face_count())) {
+            if (patchwork.face_count() >= last) {
+                report_progress(control.progress, 1.0, "");
                 return;
             }
+            report_progress(control.progress,
+                            std::sqrt(static_cast<double>(patchwork.face_count()) / last),
+                            "");
             schedule = short_schedules_.next(schedule);
             multilevel_.uncoarsen(patchwork);
         }
@@ -169,15 +200,13 @@ private:
             return;
         }
         trial.history.record(control);
-        if (trial.patchwork.face_count() < multilevel_.face_count()) {
-            multilevel_.uncoarsen(trial.patchwork);
-        }
-        trial.schedule = anneal_levels(trial.patchwork,
-                                       multilevel_,
-                                       schedules_,
-                                       schedules_.next(trial.schedule),
-                                       kFinalFaces,
-                                       [&](const Patchwork&) { return control; });
+        trial.schedule = anneal_further_levels(
+            trial.patchwork,
+            multilevel_,
+            schedules_,
+            trial.schedule,
+            kFinalFaces,
+            [&](double begin, double end) { return part_of(control, begin, end); });
     }
 
     const Multilevel& multilevel_;
@@ -195,6 +224,30 @@ int trial_count(const Budget& budget, int first_face_count) {
     return std::clamp(budget.trial_faces / first_face_count, 1, kMaxTrials);
 }
 
+TrialWork trial_work(int count,
+                     int face_count,
+                     int submesh_count,
+                     int first_face_count,
+                     const Schedules& schedules) {
+    const int threads = resolve_thread_count(schedules.thread_count);
+    const int trial_faces = std::min(kTrialFaces, face_count);
+    const int final_faces = std::min(kFinalFaces, face_count);
+    const double first_edges = hexagonal_edges(first_face_count, submesh_count);
+    const double trial_edges = hexagonal_edges(trial_faces, submesh_count);
+    const double first = schedules.first_proposals() * first_edges;
+    const double further = schedules.further_proposals(first_edges, trial_edges);
+    // Of four trials one is melted before, and one annealed after each cut.
+    const double trial = schedules.budget.trial_share *
+            ((1.0 + kMeltingProposals / 4.0) * (first + further) +
+             std::log2(submesh_count) / 4.0 * first) +
+        schedules.budget.relaxations * first_face_count / kRelaxedPerProposal;
+    const auto finalists = std::min(static_cast<int>(kFinalists), count);
+    return {trial * count / std::min(threads, count),
+            schedules.further_proposals(trial_edges, hexagonal_edges(final_faces, submesh_count)) *
+                finalists / std::min(threads, finalists),
+            final_faces};
+}
+
 Trial best_of_trials(int count,
                      const Multilevel& multilevel,
                      int submesh_count,
@@ -204,7 +257,9 @@ Trial best_of_trials(int count,
                      const Deadline& deadline,
                      const Progress& progress) {
     const Trials trials(multilevel, submesh_count, first_face_count, schedules, deadline);
-    return trials.best(count, seed, progress);
+    const TrialWork work =
+        trial_work(count, multilevel.face_count(), submesh_count, first_face_count, schedules);
+    return trials.best(count, seed, work, progress);
 }
 
 } // namespace spheroseg

@@ -6,9 +6,6 @@
 
 namespace spheroseg {
 
-/// Levels with fewer cells than that are annealed in every trial.
-constexpr int kTrialFaces = 4000;
-
 /// A start with few sub-meshes: their layout decides how long the boundaries will be, and to try
 /// another one costs little.
 struct Trial {
@@ -22,6 +19,20 @@ struct Trial {
 
 /// How many trials are worth their time, at least 1, where the first level has so many cells.
 int trial_count(const Budget& budget, int first_face_count);
+
+/// What trials cost, in proposals that one thread makes one after the other, roughly.
+struct TrialWork {
+    /// Making all of them, and going on with the best.
+    double making;
+    double finishing;
+    /// The cells of the level that the best one reaches.
+    int face_count;
+
+    double proposals() const { return making + finishing; }
+};
+
+TrialWork trial_work(
+    int count, int face_count, int submesh_count, int first_face_count, const Schedules& schedules);
 
 /// Makes `count` trials on the coarsest level with at least `first_face_count` cells and anneals
 /// them up to a level where edges are about equally long; those with the shortest boundaries go on
