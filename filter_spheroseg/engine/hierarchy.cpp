@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace spheroseg {
@@ -22,7 +23,7 @@ struct Limits {
     double max_weight_ratio = 1.5;
 
     void loosen() {
-        max_degree += max_degree / 2;
+        max_degree += std::min(max_degree / 2, std::numeric_limits<int>::max() - max_degree);
         max_weight_ratio *= 1.5;
     }
 };

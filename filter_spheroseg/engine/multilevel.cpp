@@ -33,22 +33,27 @@ const Level& Multilevel::level_of(const Patchwork& patchwork) const {
     });
 }
 
-Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_count) const {
+const Level& Multilevel::level_with(int min_face_count) const {
     const Level* level = &levels_->levels.front();
     for (const Level& coarser : levels_->levels) {
         level = coarser.cell_count() >= min_face_count ? &coarser : level;
     }
+    return *level;
+}
+
+Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_count) const {
+    const Level& level = level_with(min_face_count);
     Patchwork patchwork;
-    patchwork.cells.resize(level->cell_count());
+    patchwork.cells.resize(level.cell_count());
     patchwork.load.assign(submesh_count, 0);
     patchwork.load[0] = total_weight();
-    const int threads = threads_for(thread_count, level->cell_count(), kFacesPerThread);
+    const int threads = threads_for(thread_count, level.cell_count(), kFacesPerThread);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (int t = 0; t < threads; ++t) {
         fill(patchwork,
-             *level,
-             share_begin(t, threads, level->cell_count()),
-             share_begin(t + 1, threads, level->cell_count()),
+             level,
+             share_begin(t, threads, level.cell_count()),
+             share_begin(t + 1, threads, level.cell_count()),
              0);
     }
     patchwork.tell_neighbors(thread_count);

@@ -25,6 +25,9 @@ public:
     /// with all labels 0.
     Patchwork coarsen(int min_face_count, int submesh_count, int thread_count = 1) const;
 
+    /// The cells of that level.
+    int cell_count(int min_face_count) const { return level_with(min_face_count).cell_count(); }
+
     /// Turns a patchwork into that of the next finer level, if there is one. Cells get the labels
     /// of those that stood for them, so that loads stay the same, and every sub-mesh stays
     /// connected and free of bowties.
@@ -43,6 +46,7 @@ public:
     int total_weight() const { return weight_before(face_count()); }
 
 private:
+    const Level& level_with(int min_face_count) const;
     const Level& level_of(const Patchwork& patchwork) const;
     /// The weight of the first cells of the finest level.
     int weight_before(int finest) const {
