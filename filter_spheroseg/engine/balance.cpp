@@ -17,12 +17,12 @@ namespace {
 class Balancer {
 public:
     Balancer(Patchwork& patchwork,
-             std::int64_t max_searches,
+             std::int64_t max_work,
              const Deadline* deadline,
              const Progress& progress)
-        : patchwork_(patchwork), searches_left_(max_searches), deadline_(deadline),
-          progress_(progress), boundaries_(patchwork), branches_(patchwork),
-          graph_(patchwork.submesh_count()), arc_of_(patchwork.submesh_count(), -1),
+        : patchwork_(patchwork), work_left_(max_work), deadline_(deadline), progress_(progress),
+          boundaries_(patchwork), branches_(patchwork), graph_(patchwork.submesh_count()),
+          arc_of_(patchwork.submesh_count(), -1),
           floor_(patchwork.face_count() / patchwork.submesh_count()),
           ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
           chain_(patchwork, boundaries_, floor_, ceiling_) {}
@@ -30,9 +30,10 @@ public:
     bool run() {
         std::int64_t least = imbalance();
         bool by_plan = false;
-        for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds && searches_left_ > 0;
+        for (int idle_rounds = 0; least > 0 && idle_rounds < kMaxIdleRounds && work_left_ > 0;
              ++idle_rounds) {
-            if (idle_rounds > 0 && is_overdue()) {
+            is_idle_ = idle_rounds > 0;
+            if (is_idle_ && is_overdue()) {
                 break;
             }
             if (idle_rounds == 1) {
@@ -67,10 +68,10 @@ private:
     /// Rounds without progress before giving up; each searches in another order.
     static constexpr int kMaxIdleRounds = 20;
     static constexpr int kMaxBranchFaces = 64;
-    /// Searches between two reports of progress: some milliseconds.
-    static constexpr std::int64_t kSearchesPerReport = 1000;
-    /// Sub-meshes that are met in the time of a search.
-    static constexpr std::int64_t kLabelsPerSearch = 50;
+    /// Work between two reports of progress: about a millisecond.
+    static constexpr std::int64_t kWorkPerReport = 30000;
+    /// Sub-meshes of the graph that are met in the time of a face.
+    static constexpr std::int64_t kLabelsPerFace = 4;
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
@@ -79,12 +80,15 @@ private:
 
     bool is_overdue() const { return deadline_ && deadline_->is_overdue(); }
 
-    void count_searches(std::int64_t count) {
-        searches_left_ -= count;
-        unreported_ += count;
-        if (unreported_ >= kSearchesPerReport) {
+    void count_work(std::int64_t faces) {
+        work_left_ -= faces;
+        unreported_ += faces;
+        if (unreported_ >= kWorkPerReport) {
             unreported_ = 0;
             report_progress(progress_, 0.0, "Balancing");
+            if (is_idle_ && is_overdue()) {
+                work_left_ = 0;
+            }
         }
     }
 
@@ -93,8 +97,7 @@ private:
     /// tries than it had faces too many or too few.
     template <typename Pass> void for_each_off(Pass pass) {
         for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            for (int left = deviation(l); left > 0 && deviation(l) > 0 && searches_left_ > 0;
-                 --left) {
+            for (int left = deviation(l); left > 0 && deviation(l) > 0 && work_left_ > 0; --left) {
                 if (!pass(l, patchwork_.load[l] > ceiling_)) {
                     break;
                 }
@@ -108,8 +111,8 @@ private:
             if (shut_in) {
                 return false;
             }
-            const bool moved = chain_.follow(label, outward, random_);
-            count_searches(chain_.searches());
+            const bool moved = chain_.follow(label, outward, random_, work_left_);
+            count_work(chain_.work());
             shut_in = !moved && chain_.searches() > kLargePlan;
             return moved;
         });
@@ -165,7 +168,7 @@ private:
     /// The best allowed move to (or, not `outward`, from) each wanted neighbour of a sub-mesh.
     template <typename Wanted>
     const std::vector<Arc>& arcs(int label, bool outward, Wanted is_wanted) {
-        count_searches(1);
+        count_work(1 + boundaries_.listed_count(label));
         arcs_.clear();
         boundaries_.for_each_side(label, [&](int face, int c, int across) {
             if (!is_wanted(across)) {
@@ -205,7 +208,7 @@ private:
         const std::vector<int>* path;
         do {
             path = &graph_.find_path(label, outward, has_room, random_);
-            count_searches(graph_.met_count() / kLabelsPerSearch);
+            count_work(graph_.met_count() / kLabelsPerFace);
             if (path->empty()) {
                 return false;
             }
@@ -250,12 +253,9 @@ private:
 
     /// The same by a random walk; where sub-meshes are narrow, whole branches pass.
     bool wander(int label, bool outward) {
-        if (is_overdue()) {
-            return false;
-        }
         const bool with_branches = branches_.work() < kBranchWorkPerFace * patchwork_.face_count();
         int at = label;
-        for (int steps = 4 * patchwork_.submesh_count(); steps > 0; --steps) {
+        for (int steps = 4 * patchwork_.submesh_count(); steps > 0 && work_left_ > 0; --steps) {
             int to = with_branches && random_.below(2) == 0 ? pass_branch(at, outward) : -1;
             if (to < 0) {
                 const std::vector<Arc>& ways = arcs(at, outward, [](int) { return true; });
@@ -277,7 +277,7 @@ private:
     /// Passes a branch, drawn at random from those of up to about twice as many faces as there are
     /// too many (or too few). Returns the sub-mesh at the other side of it; -1 when there is none.
     int pass_branch(int label, bool outward) {
-        count_searches(1);
+        const std::int64_t branch_work = branches_.work();
         const int max_faces = std::min(kMaxBranchFaces, 2 + 2 * deviation(label));
         int other = -1;
         std::uint32_t count = 0;
@@ -295,6 +295,7 @@ private:
                 other = across;
             }
         });
+        count_work(1 + boundaries_.listed_count(label) + branches_.work() - branch_work);
         for (int face : chosen_) {
             Move move;
             move.faces[0] = face;
@@ -338,8 +339,10 @@ private:
     }
 
     Patchwork& patchwork_;
-    std::int64_t searches_left_;
+    std::int64_t work_left_;
     std::int64_t unreported_ = 0;
+    /// Did the last round make no progress?
+    bool is_idle_ = false;
     const Deadline* const deadline_;
     const Progress& progress_;
     SubmeshBoundaries boundaries_;
@@ -359,10 +362,10 @@ private:
 } // namespace
 
 bool balance_exactly(Patchwork& patchwork,
-                     std::int64_t max_searches,
+                     std::int64_t max_work,
                      const Deadline* deadline,
                      const Progress& progress) {
-    return Balancer(patchwork, max_searches, deadline, progress).run();
+    return Balancer(patchwork, max_work, deadline, progress).run();
 }
 
 } // namespace spheroseg

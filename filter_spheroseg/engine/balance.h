@@ -14,11 +14,11 @@ namespace spheroseg {
 /// passes are planned one on the other (PlannedChain), and at last by passing faces together with
 /// what would be cut off (Branches). All sub-meshes stay connected and
 /// free of bowties. Returns false when it got stuck before that; the patchwork is still as good as
-/// it can be made this way. Gives up after `max_searches` searches of a sub-mesh's boundary, and,
+/// it can be made this way. Gives up when about `max_work` faces of boundaries were looked at, and,
 /// when `deadline` (may be null) is overdue, as soon as it makes no progress. Deterministic but for
 /// that. Throws Cancelled when the progress callback asks for it.
 bool balance_exactly(Patchwork& patchwork,
-                     std::int64_t max_searches = std::int64_t{1} << 62,
+                     std::int64_t max_work = std::int64_t{1} << 62,
                      const Deadline* deadline = nullptr,
                      const Progress& progress = {});
 

@@ -95,7 +95,9 @@ private:
         Patchwork patchwork = finest.coarsen(finest.face_count(), submesh_count);
         const int difference = result_.best_max_triangle_count_difference;
         const int mean = finest.face_count() / submesh_count;
-        for (int least = mean; least >= std::max(1, mean - difference); --least) {
+        const int end = std::max(1, mean - difference);
+        for (int least = mean; least >= end && !deadline_.is_overdue(); --least) {
+            report_progress(progress_, 1.0, "Searching");
             if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
                 result_.labels = finest.labels(patchwork);
                 return;

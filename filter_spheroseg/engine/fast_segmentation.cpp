@@ -35,6 +35,15 @@ constexpr int kSmallSubmesh = 86;
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
+/// A heaviest load, over the mean, that is worth another start when the time is up.
+constexpr double kFarOff = 1.03;
+/// Faces of boundaries that the search for exact balance may look at, per face: where it found one
+/// it needed up to 310. With large sub-meshes on large meshes it needed up to 5, and more take
+/// long.
+constexpr std::int64_t kBalanceWork = 1000;
+constexpr std::int64_t kLargeBalanceWork = 100;
+constexpr int kLargeMesh = 20000;
+constexpr int kLargeSubmesh = 30;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -80,7 +89,10 @@ public:
         result_.parametrization_seconds += watch.elapsed_seconds();
         consider_input();
         const std::optional<Segmentation> reserve = make_reserve();
-        for (int start = 0; start < kMaxStarts; ++start) {
+        for (int start = 0; start < kMaxStarts && !(reserve && deadline_.expired()); ++start) {
+            if (deadline_.expired()) {
+                hurry();
+            }
             begin_start(start);
             Patchwork patchwork =
                 start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
@@ -90,11 +102,7 @@ public:
                 rename_like(result_.labels, task_.initial_labels, submesh_count_);
             }
             any_valid_ = any_valid_ || valid;
-            // Even out of time an invalid result is worth another start.
-            const bool enough = any_valid_ && start + 1 >= wanted_starts();
-            const bool in_time =
-                !deadline_.expired() || (!any_valid_ && start == 0 && !deadline_.is_overdue());
-            if (enough || !in_time) {
+            if (!wants_more(patchwork, start)) {
                 break;
             }
         }
@@ -105,16 +113,19 @@ public:
             history_ = {reserve->boundary_edges_by_iteration,
                         reserve->seconds_by_iteration,
                         reserve->cohesion_iterations};
+            history_.on_cores = reserve->used_cuda ? 0 : history_.count();
             any_valid_ = keep_if_better(finest_with(reserve->labels), true) || any_valid_;
         }
-        if (!any_valid_ && !by_weight() && component_.face_count() <= kMaxFacesToSearch) {
+        if (!any_valid_ && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
+            !deadline_.is_overdue()) {
             search();
         }
         result_.cohesion_iterations = kept_history_.cohesion_iterations;
         result_.refinement_iterations = kept_history_.refinement_iterations();
+        result_.used_cuda = task_.device &&
+            kept_history_.count() > std::max(kept_history_.on_cores, result_.cohesion_iterations);
         result_.boundary_edges_by_iteration = std::move(kept_history_.boundary_edges);
         result_.seconds_by_iteration = std::move(kept_history_.seconds);
-        result_.used_cuda = task_.device && result_.refinement_iterations > 0;
     }
 
 private:
@@ -126,7 +137,29 @@ private:
 
     /// Is the second start one on the sphere?
     bool starts_on_sphere() const {
-        return whole_ && wanted_starts() > 1 && !by_weight() && submesh_count_ >= kManySubmeshes;
+        return whole_ && wanted_starts() > 1 && !by_weight() && !is_hurried_ &&
+            submesh_count_ >= kManySubmeshes;
+    }
+
+    /// When the time is up and there is no valid result, one is made as `draft` does it, without
+    /// the limit: what is cut short can not be balanced.
+    void hurry() {
+        is_hurried_ = true;
+        schedules_.budget = budget_of(Effort::draft);
+    }
+
+    const Deadline& limit() const { return is_hurried_ ? unlimited_ : deadline_; }
+
+    /// Is another start worth its time, after the start that made this patchwork?
+    bool wants_more(const Patchwork& patchwork, int start) const {
+        if (is_hurried_) {
+            return !any_valid_ && !deadline_.is_overdue();
+        }
+        if (deadline_.expired()) {
+            return !any_valid_ ||
+                (was_cut_short_ && heaviest_load(patchwork) > kFarOff * mean_load(patchwork));
+        }
+        return !any_valid_ || start + 1 < wanted_starts();
     }
 
     void prepare_levels(const Progress& progress) {
@@ -174,7 +207,7 @@ private:
         double done_faces = first_faces;
         if (start == 0 && trials() > 1) {
             const TrialWork work = trial_work(
-                trials(), component_.face_count(), submesh_count_, coarse_face_count(), schedules_);
+                trials(), component_.face_count(), submesh_count_, first_face_count(), schedules_);
             first = kProposal * work.proposals();
             proposals = 0.0;
             done_faces = work.face_count;
@@ -312,11 +345,21 @@ private:
                                    std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
     }
 
+    /// About so many cells are to be on the first level; where holes keep the mesh from being
+    /// coarsened, there are more.
+    int first_face_count() const {
+        const int least = coarse_face_count();
+        return multilevel_ == nullptr
+            ? least
+            : std::max(least,
+                       static_cast<int>(MeshLevels::kLeastShare * multilevel_->cell_count(least)));
+    }
+
     /// With few sub-meshes the layout decides, and another one costs little.
     int trials() const {
         const bool limited = options_.max_cohesion_iterations > 0 ||
             options_.max_refinement_iterations > 0 || !task_.initial_labels.empty();
-        return limited ? 1 : trial_count(schedules_.budget, coarse_face_count());
+        return limited ? 1 : trial_count(schedules_.budget, first_face_count());
     }
 
     /// The control on levels that take a part of the time of all of them.
@@ -335,9 +378,10 @@ private:
                                     coarse_face_count(),
                                     schedules_,
                                     seed_,
-                                    deadline_,
+                                    limit(),
                                     sub_progress(start_progress_, 0.0, shares_.start));
         history_ = std::move(best.history);
+        history_.on_cores = history_.count();
         forced_faces_ = best.forced_faces;
         result_.cohesion_seconds += watch.elapsed_seconds();
         if (best.patchwork.face_count() < component_.face_count()) {
@@ -380,7 +424,7 @@ private:
         const Deadline watch;
         SwapLimits limits;
         limits.thread_count = options_.thread_count;
-        limits.deadline = &deadline_;
+        limits.deadline = &limit();
         limits.max_iterations = std::min(kSphereIterations, max_cohesion_iterations());
         std::vector<int> labels = balanced_sphere_labels(centroids, submesh_count_);
         const SwapIterations cohesion =
@@ -425,6 +469,7 @@ private:
 
     void make_exact(Patchwork& patchwork) {
         const Deadline watch;
+        was_cut_short_ = limit().expired();
         if (by_weight()) {
             balance_by_weight(patchwork, exchanges(patchwork), control(shares_.levels, 1.0));
         } else if (balance(patchwork)) {
@@ -445,16 +490,18 @@ private:
 
     bool balance(Patchwork& patchwork) {
         const Progress progress = sub_progress(start_progress_, shares_.levels, shares_.levels);
-        const auto balance_by = [&](std::int64_t searches_per_face) {
+        const bool is_large =
+            patchwork.face_count() >= kLargeMesh && mean_load(patchwork) >= kLargeSubmesh;
+        const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
+        const auto balance_by = [&](std::int64_t work_per_face) {
             return balance_exactly(
-                patchwork, searches_per_face * patchwork.face_count(), &deadline_, progress);
+                patchwork, work_per_face * patchwork.face_count(), &limit(), progress);
         };
-        if (is_warm_) {
-            // A start of our own is better than a long search.
-            return is_near_balance(patchwork) && balance_by(20);
+        if (is_warm_ || limit().expired()) {
+            // Another start is better than a long search.
+            return is_near_balance(patchwork) && balance_by(work / 5);
         }
-        // Far more searches than are ever needed where it can be done.
-        bool balanced = balance_by(100);
+        bool balanced = balance_by(work);
         for (int i = 0; i < kBalanceTries && !balanced && !deadline_.is_overdue(); ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             const AnnealSchedule schedule =
@@ -462,7 +509,7 @@ private:
             AnnealControl control;
             control.progress = progress;
             anneal(patchwork, schedule, control);
-            balanced = balance_by(100);
+            balanced = balance_by(work);
         }
         return balanced;
     }
@@ -473,7 +520,7 @@ private:
 
     AnnealControl control(double begin, double end) {
         AnnealControl control;
-        control.deadline = &deadline_;
+        control.deadline = &limit();
         control.device = task_.device;
         control.progress = sub_progress(start_progress_, begin, end);
         history_.record(control);
@@ -490,10 +537,11 @@ private:
     const ComponentTask& task_;
     const int submesh_count_;
     const Deadline& deadline_;
+    const Deadline unlimited_;
     const Progress& progress_;
     Progress start_progress_;
     Segmentation& result_;
-    const Schedules schedules_;
+    Schedules schedules_;
     Shares shares_ = {};
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
@@ -504,6 +552,8 @@ private:
     std::uint64_t seed_ = 0;
     int forced_faces_ = 0;
     bool is_warm_ = false;
+    bool is_hurried_ = false;
+    bool was_cut_short_ = false;
     bool any_valid_ = false;
 };
 

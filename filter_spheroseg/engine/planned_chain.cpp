@@ -6,12 +6,13 @@
 
 namespace spheroseg {
 
-bool PlannedChain::find(int label, bool outward) {
+bool PlannedChain::find(int label, bool outward, std::int64_t max_work) {
     passes_.clear();
     searches_ = 0;
+    work_ = 0;
     goal_ = -1;
     plan_from(label, outward, -1);
-    for (std::size_t head = 0; head < passes_.size(); ++head) {
+    for (std::size_t head = 0; head < passes_.size() && work_ < max_work; ++head) {
         const Move move = passes_[head].move;
         const int at = outward ? move.to : move.from;
         const int load = patchwork_.load[at];
@@ -34,6 +35,7 @@ bool PlannedChain::find(int label, bool outward) {
 /// Plans every allowed pass out of (or into) a sub-mesh that is not planned yet.
 void PlannedChain::plan_from(int label, bool outward, int previous) {
     ++searches_;
+    work_ += boundaries_.listed_count(label);
     sides_.clear();
     boundaries_.for_each_side(label, [&](int face, int c, int) {
         sides_.push_back(passing_side(patchwork_, face, c, outward));

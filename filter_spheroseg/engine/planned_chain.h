@@ -38,15 +38,18 @@ public:
 
     /// Makes a shortest chain from a sub-mesh with too many faces (`outward`) or to one with too
     /// few, found breadth first over the sides of the mesh; ties are broken by `random`. All
-    /// sub-meshes stay connected and free of bowties. Returns false when there is none.
-    bool follow(int label, bool outward, Random& random) {
+    /// sub-meshes stay connected and free of bowties. Returns false when there is none, or none is
+    /// found in about `max_work`.
+    bool follow(int label, bool outward, Random& random, std::int64_t max_work) {
         turn_ = random.next();
-        return find(label, outward) && make();
+        return find(label, outward, max_work) && make();
     }
 
     /// Sub-meshes looked at by the last search. One that found nothing has met every side that can
     /// be reached.
     std::int64_t searches() const { return searches_; }
+    /// Faces looked at by it.
+    std::int64_t work() const { return work_; }
 
 private:
     struct Pass {
@@ -55,7 +58,7 @@ private:
         int previous; // -1: none
     };
 
-    bool find(int label, bool outward);
+    bool find(int label, bool outward, std::int64_t max_work);
     void plan_from(int label, bool outward, int previous);
     bool is_on_chain(int label, int face, int last) const;
     bool make();
@@ -70,6 +73,7 @@ private:
     const int ceiling_;
     std::uint64_t turn_ = 0;
     std::int64_t searches_ = 0;
+    std::int64_t work_ = 0;
     int goal_ = -1;
     std::vector<Pass> passes_;
     std::vector<Side> sides_;

@@ -237,9 +237,9 @@ TrialWork trial_work(int count,
     const double first = schedules.first_proposals() * first_edges;
     const double further = schedules.further_proposals(first_edges, trial_edges);
     // Of four trials one is melted before, and one annealed after each cut.
-    const double trial = schedules.budget.trial_share *
-            ((1.0 + kMeltingProposals / 4.0) * (first + further) +
-             std::log2(submesh_count) / 4.0 * first) +
+    const double melting = kMeltingProposals * first + further;
+    const double cuts = std::log2(submesh_count) * first;
+    const double trial = schedules.budget.trial_share * (first + further + (melting + cuts) / 4.0) +
         schedules.budget.relaxations * first_face_count / kRelaxedPerProposal;
     const auto finalists = std::min(static_cast<int>(kFinalists), count);
     return {trial * count / std::min(threads, count),

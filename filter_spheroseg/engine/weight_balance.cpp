@@ -19,8 +19,8 @@ struct Passage {
 
 class LoadLowering {
 public:
-    LoadLowering(Patchwork& patchwork, int limit)
-        : patchwork_(patchwork), limit_(limit), boundaries_(patchwork),
+    LoadLowering(Patchwork& patchwork, int limit, const Progress& progress)
+        : patchwork_(patchwork), limit_(limit), progress_(progress), boundaries_(patchwork),
           inflow_(patchwork.submesh_count(), -1), came_by_(patchwork.submesh_count()) {
         work_left_ = kMinWork;
         for (int l = 0; l < patchwork.submesh_count(); ++l) {
@@ -36,6 +36,7 @@ public:
                 return true;
             }
             for (int label : heavy) {
+                report_progress(progress_, 0.0, "Balancing");
                 int tries = boundaries_.listed_count(label) + kExtraTries;
                 while (patchwork_.load[label] > limit_ && tries-- > 0 && work_left_ > 0 &&
                        relieve(label)) {
@@ -168,6 +169,7 @@ private:
 
     Patchwork& patchwork_;
     const int limit_;
+    const Progress& progress_;
     std::int64_t work_left_ = 0;
     SubmeshBoundaries boundaries_;
     /// -1: not reached.
@@ -199,10 +201,10 @@ public:
     void run() {
         double missed = -1.0;
         double reached = heaviest_load(patchwork_) / mean_ - 1.0;
-        for (int i = 0; i < kStepCount && missed < 0.0; ++i) {
+        for (int i = 0; i < kStepCount && missed < 0.0 && (i == 0 || !expired()); ++i) {
             (reach(kSteps[i], i) ? reached : missed) = kSteps[i];
         }
-        for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed; ++i) {
+        for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed && !expired(); ++i) {
             const double middle = 0.5 * (reached + missed);
             (reach(middle, kStepCount) ? reached : missed) = middle;
         }
@@ -213,18 +215,20 @@ private:
     /// True when all loads came to at most so much above the mean.
     bool reach(double above_mean, int step) {
         const int limit = static_cast<int>(mean_ * (1.0 + above_mean));
+        const double begin = step / (kStepCount + 1.0);
+        const Progress lowering = sub_progress(control_.progress, begin, begin);
         patchwork_ = best_;
-        bool below = lower_loads(patchwork_, limit);
+        bool below = lower_loads(patchwork_, limit, lowering);
         keep_best();
         for (int i = 0; i < kShakes && !below && !expired(); ++i) {
-            shake(i);
-            below = lower_loads(patchwork_, limit);
+            shake(i, lowering);
+            below = lower_loads(patchwork_, limit, lowering);
             keep_best();
         }
         if (below && !expired()) {
             AnnealControl control = control_;
-            control.progress = sub_progress(
-                control_.progress, step / (kStepCount + 1.0), (step + 1) / (kStepCount + 1.0));
+            control.progress =
+                sub_progress(control_.progress, begin, (step + 1) / (kStepCount + 1.0));
             ++exchanges_.seed;
             anneal_below(patchwork_, limit, exchanges_, control);
             best_ = patchwork_;
@@ -234,7 +238,7 @@ private:
 
     /// Anneals with a pull towards the mean that is hundreds of boundary edges strong where a load
     /// is off by as much as the mean.
-    void shake(int times) {
+    void shake(int times, const Progress& progress) {
         AnnealSchedule schedule = exchanges_;
         schedule.seed = exchanges_.seed + 1000 + static_cast<std::uint64_t>(times);
         schedule.temperature_begin = 0.5;
@@ -245,7 +249,11 @@ private:
         schedule.balance_weight_end = 100.0 / faces_per_submesh;
         schedule.proposals_per_face = 100.0;
         schedule.phase_count = 12;
-        anneal(patchwork_, schedule, {});
+        AnnealControl control;
+        control.deadline = control_.deadline;
+        control.progress = progress;
+        control.device = control_.device;
+        anneal(patchwork_, schedule, control);
     }
 
     void keep_best() {
@@ -265,8 +273,8 @@ private:
 
 } // namespace
 
-bool lower_loads(Patchwork& patchwork, int limit) {
-    return LoadLowering(patchwork, limit).run();
+bool lower_loads(Patchwork& patchwork, int limit, const Progress& progress) {
+    return LoadLowering(patchwork, limit, progress).run();
 }
 
 int heaviest_load(const Patchwork& patchwork) {

@@ -9,8 +9,8 @@ namespace spheroseg {
 /// shortest chains of sub-meshes from one above the limit to one that has room, such that no other
 /// one comes above it. All sub-meshes stay connected and free of bowties, and no load that was at
 /// or below the limit ends above it. Returns true when no load is above the limit any more.
-/// Deterministic.
-bool lower_loads(Patchwork& patchwork, int limit);
+/// Deterministic. Throws Cancelled when the progress callback asks for it.
+bool lower_loads(Patchwork& patchwork, int limit, const Progress& progress = {});
 
 /// The largest load.
 int heaviest_load(const Patchwork& patchwork);
@@ -22,7 +22,7 @@ int near_enough(const Patchwork& patchwork);
 /// `lower_loads`, where that gets stuck after annealing with a strong pull towards the mean, and
 /// by exchanges that keep below what was reached (`exchanges`, all steps together). Ends when a
 /// step is out of reach; then between the last two. The result is the patchwork with the least
-/// heaviest load that was met. Throws Cancelled.
+/// heaviest load that was met. When the time is up no further step is begun. Throws Cancelled.
 void balance_by_weight(Patchwork& patchwork,
                        const AnnealSchedule& exchanges,
                        const AnnealControl& control);

@@ -145,6 +145,40 @@ TEST(Cancel, WorksWhileABalanceIsSearchedForThatDoesNotExist) {
         Cancelled);
 }
 
+TEST(TimeLimit, OfNearlyNothingLeavesAValidResult) {
+    // Sub-meshes that were not annealed can often not be balanced here.
+    const TriangleMesh mesh = flipped_sphere(5, 40000);
+    const int face_count = mesh.face_count();
+    for (int k : {2, 20, 200, face_count / 8, face_count / 3}) {
+        for (bool by_weight : {false, true}) {
+            PreparedMesh prepared(mesh, 2);
+            SegmentOptions options;
+            options.submesh_count = k;
+            options.balance = by_weight ? Balance::weight : Balance::triangle_count;
+            options.time_limit_seconds = 1e-9;
+            const Segmentation result = segment(prepared, options);
+            EXPECT_TRUE(result.time_limit_hit);
+            EXPECT_TRUE(result.measures.is_valid(by_weight ? face_count : 1)) << k;
+        }
+    }
+}
+
+TEST(TimeLimit, ThatIsHitAtOnceGivesTheLabelsOfDraft) {
+    const TriangleMesh mesh = limbed_figure(4);
+    for (int k : {7, 60, 640}) {
+        SegmentOptions options;
+        options.submesh_count = k;
+        options.effort = Effort::draft;
+        PreparedMesh prepared(mesh, 2);
+        const std::vector<int> labels = segment(prepared, options).labels;
+        for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+            options.effort = effort;
+            options.time_limit_seconds = 1e-9;
+            EXPECT_EQ(segment(prepared, options).labels, labels) << k;
+        }
+    }
+}
+
 TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
     constexpr double kLimit = 0.03;
     for (Trial trial : trials()) {
