@@ -7,6 +7,7 @@ import contextlib
 import errno
 import os
 import re
+import secrets
 import socket
 import time
 from collections.abc import Iterator
@@ -27,8 +28,9 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
     well, removes it otherwise. A symbolic link stays one: what it leads to is replaced. `suffix` is
     for writers that go by it. Raises DiskFullError when the disk has no room."""
     target = Path(path).resolve()
-    owner = f"{os.getpid()}@{socket.gethostname()}"
-    temporary = target.with_name(f".{target.name}.{owner}{TEMPORARY_SUFFIX}{suffix}")
+    # Not from the target's name, which may be as long as the file system allows.
+    owner = f"{secrets.token_hex(4)}.{os.getpid()}@{socket.gethostname()}"
+    temporary = target.with_name(f".{owner}{TEMPORARY_SUFFIX}{suffix}")
     try:
         with _explained(path, temporary):
             yield temporary
@@ -60,7 +62,7 @@ def _explained(path: Path, temporary: Path) -> Iterator[None]:
             raise DiskFullError(
                 error.errno, f"no room left on the disk for '{path}'; make room and run again"
             ) from error
-        if error.filename == str(temporary):
+        if str(error.filename) == str(temporary):
             error.filename = str(path)
         raise
 

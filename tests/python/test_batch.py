@@ -232,6 +232,19 @@ def test_a_mesh_that_is_named_itself_may_lie_in_the_output_folder(tmp_path):
     assert len(np.unique(np.load(tmp_path / "a.npy"))) == 5
 
 
+def test_a_long_name_is_done_and_one_too_long_costs_only_its_mesh(tmp_path, capsys):
+    # 255 bytes are the most that file systems take; the record of the longest one would need 256.
+    names = ["a", "long" + 246 * "g", "longer" + 245 * "r", "z"]
+    for name in names:
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "5"]
+    assert main(arguments) == 1
+    assert capsys.readouterr().err.count("File name too long") == 1
+    found = {Path(row["mesh"]).stem: row["status"] for row in rows(tmp_path / "out")}
+    assert found == dict(zip(names, ["done", "done", "failed", "done"], strict=True))
+    assert main([*arguments, "--resume"]) == 1
+
+
 def ply_colours(path: Path) -> set[tuple]:
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(path))

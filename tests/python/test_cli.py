@@ -181,6 +181,13 @@ def test_the_file_of_labels_has_the_name_that_was_given(run, tmp_path):
     assert np.bincount(np.load(tmp_path / "OUT.NPY")).tolist() == [6, 6]
 
 
+def test_outputs_may_have_the_longest_names(run, tmp_path):
+    mesh, labels, report = (250 * "n" + suffix for suffix in (".ply", ".npy", ".json"))
+    paths = [tmp_path / mesh, "--labels", tmp_path / labels, "--json", tmp_path / report]
+    assert run("segment", CUBE, "-k", "2", "-q", "-o", *paths) == (0, "", "")
+    assert {path.name for path in tmp_path.iterdir()} == {mesh, labels, report}
+
+
 @pytest.mark.parametrize(
     ("command", "option", "name"),
     [

@@ -70,10 +70,27 @@ def finished_record(job: Job) -> dict[str, Any] | None:
 def run_job(job: Job) -> dict[str, Any]:
     """Does a job in a process of its own and returns its record; never raises for a bad mesh.
 
-    A full disk gives a record with the status `disk_full`, which is not stored.
+    A full disk gives a record with the status `disk_full`, which is not stored; neither is one
+    whose file can not be written.
     """
-    job.record_path().unlink(missing_ok=True)
-    process = subprocess.run(
+    try:
+        job.record_path().unlink(missing_ok=True)
+        process = _run_process(job)
+        if process.returncode == 0:
+            return json.loads(job.record_path().read_text())
+        if process.returncode == DISK_FULL_EXIT:
+            return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
+        record = failed_record(job, _reason(process))
+        store(job, record)
+        return record
+    except atomic.DiskFullError as error:
+        return failed_record(job, error.strerror, status="disk_full")
+    except OSError as error:
+        return failed_record(job, str(error))
+
+
+def _run_process(job: Job) -> subprocess.CompletedProcess:
+    return subprocess.run(
         [sys.executable, "-m", "spheroseg.batch.worker"],
         input=json.dumps(asdict(job)),
         capture_output=True,
@@ -81,16 +98,6 @@ def run_job(job: Job) -> dict[str, Any]:
         check=False,
         env=package_environment(),
     )
-    if process.returncode == 0:
-        return json.loads(job.record_path().read_text())
-    if process.returncode == DISK_FULL_EXIT:
-        return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
-    record = failed_record(job, _reason(process))
-    try:
-        store(job, record)
-    except atomic.DiskFullError as error:
-        return failed_record(job, str(error), status="disk_full")
-    return record
 
 
 def package_environment() -> dict[str, str]:
