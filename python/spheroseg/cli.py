@@ -16,13 +16,17 @@ is for work that was accepted and failed in part, such as one mesh of a batch.
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from spheroseg import __version__
 from spheroseg.errors import InputError, PluginError
 
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
+EXIT_PIPE_CLOSED = 141
 
 # Name: (module, one line for `spheroseg --help`).
 COMMANDS = {
@@ -65,9 +69,15 @@ def build_parser() -> argparse.ArgumentParser:
         prog="spheroseg",
         description="Cuts triangle meshes into connected sub-meshes whose triangle "
         "counts differ by at most one.",
-        epilog="Exit codes: 0 done, 1 a part of a batch failed, 2 bad usage or bad input.",
+        epilog="Exit codes: 0 done, 1 a part of a batch failed, 2 bad usage or bad input, "
+        "130 interrupted, 141 nobody reads the output.",
     )
-    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=f"spheroseg {__version__}",
+        help="print the version and exit",
+    )
     commands = parser.add_subparsers(
         title="commands", metavar="COMMAND", dest="command", parser_class=_CommandParser
     )
@@ -78,34 +88,58 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
+    _open_closed_streams()
+    try:
+        code = _run(argv)
+    except SystemExit as stop:  # of argparse
+        code = stop.code
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        # What is left would be tried again, and fail with a traceback, when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return EXIT_PIPE_CLOSED
+        return code or _report("spheroseg", f"the standard output: {error.strerror}")
+    return code
+
+
+def _open_closed_streams() -> None:
+    """Lets streams that the caller has closed lead nowhere.
+
+    The next file that is opened would get their number and, with it, what libraries print.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode))  # noqa: SIM115 (until the end)
+
+
+def _run(argv: Sequence[str] | None) -> int:
     parser = build_parser()
     arguments = parser.parse_args(argv)
-    if arguments.version:
-        from spheroseg import __version__
-
-        print(f"spheroseg {__version__}")
-        return 0
     if arguments.command is None:
         parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
+    program = f"spheroseg {arguments.command}"
     try:
         return arguments.run(arguments)
     except (InputError, PluginError) as error:
-        return _report(arguments.command, str(error))
+        return _report(program, str(error))
+    except BrokenPipeError:
+        return EXIT_PIPE_CLOSED
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        return _report(arguments.command, f"{where}{error.strerror or error}")
+        return _report(program, f"{where}{error.strerror or error}")
     except MemoryError:
         return _report(
-            arguments.command,
-            "there is not enough memory; close other programs, or simplify the mesh",
+            program, "there is not enough memory; close other programs, or simplify the mesh"
         )
     except KeyboardInterrupt:
-        _report(arguments.command, "interrupted")
+        _report(program, "interrupted")
         return EXIT_INTERRUPTED
 
 
-def _report(command: str, message: str) -> int:
-    print(f"spheroseg {command}: {_one_line(message)}", file=sys.stderr)
+def _report(program: str, message: str) -> int:
+    print(f"{program}: {_one_line(message)}", file=sys.stderr)
     return EXIT_BAD_INPUT
 
 

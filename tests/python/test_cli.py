@@ -360,6 +360,46 @@ def test_the_program_itself_ends_with_exit_code_2_and_no_traceback(arguments):
     assert "Traceback" not in done.stderr
 
 
+def run_shell(line, *arguments):
+    """Runs a line of the shell in which "$@" is the program with its arguments."""
+    program = [sys.executable, "-m", "spheroseg", *map(str, arguments)]
+    return subprocess.run(
+        ["bash", "-c", line, "bash", *program],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), "PYTHONUNBUFFERED": ""},
+    )
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_do_no_harm(tmp_path, closed):
+    out = tmp_path / "o.ply"
+    done = run_shell(f'"$@" {closed}', "segment", CUBE, "-k", 2, "-o", out)
+    assert done.returncode == 0
+    measured = run_shell(f'"$@" {closed}', "measure", out, "--json", tmp_path / "m.json")
+    assert measured.returncode == 0
+    assert json.loads((tmp_path / "m.json").read_text())["submesh_triangles"] == [6, 6]
+
+
+@pytest.mark.parametrize("arguments", [["segment", CUBE, "-k", 2], ["--version"], ["--help"]])
+def test_output_that_can_not_be_written_is_one_line(arguments):
+    done = run_shell('"$@" > /dev/full', *arguments)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "the standard output: No space left on device" in done.stderr
+
+
+def test_a_command_whose_output_nobody_reads_ends_in_silence(tmp_path):
+    line = '"$@" | true; exit ${PIPESTATUS[0]}'
+    for arguments in (
+        ["segment", CUBE, "-k", 2],
+        ["batch", CUBE, "-k", 2, "-o", tmp_path / "out"],
+        ["--version"],
+    ):
+        done = run_shell(line, *arguments)
+        assert (done.returncode, done.stderr) == (cli.EXIT_PIPE_CLOSED, "")
+    assert (tmp_path / "out" / "manifest.csv").exists()
+
+
 def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     hole = tmp_path / "hole.obj"
     hole.write_text(BAD_FILES["hole.obj"])

@@ -90,7 +90,11 @@ def print_measures(measures: dict[str, Any]) -> None:
     for key, value in measures.items():
         if not isinstance(value, np.ndarray):
             table.add_row(key, _shown(value))
-    Console().print(table)
+    console = Console()
+    with console.capture() as shown:
+        console.print(table)
+    # By Python, as the console would end the program where nobody reads.
+    print(shown.get(), end="")
 
 
 def _shown(value: Any) -> str:
