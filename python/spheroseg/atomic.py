@@ -28,9 +28,7 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
     well, removes it otherwise. A symbolic link stays one: what it leads to is replaced. `suffix` is
     for writers that go by it. Raises DiskFullError when the disk has no room."""
     target = Path(path).resolve()
-    # Not from the target's name, which may be as long as the file system allows.
-    owner = f"{secrets.token_hex(4)}.{os.getpid()}@{socket.gethostname()}"
-    temporary = target.with_name(f".{owner}{TEMPORARY_SUFFIX}{suffix}")
+    temporary = _temporary_beside(target, suffix)
     try:
         with _explained(path, temporary):
             yield temporary
@@ -39,6 +37,20 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
             temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def check_place(path: Path) -> None:
+    """Raises an OSError that names `path` where `atomic_path` could not write it."""
+    temporary = _temporary_beside(Path(path).resolve())
+    with _explained(path, temporary):
+        temporary.touch()
+        temporary.unlink()
+
+
+def _temporary_beside(target: Path, suffix: str = "") -> Path:
+    # Not from the target's name, which may be as long as the file system allows.
+    owner = f"{secrets.token_hex(4)}.{os.getpid()}@{socket.gethostname()}"
+    return target.with_name(f".{owner}{TEMPORARY_SUFFIX}{suffix}")
 
 
 def write_bytes(path: Path, data: bytes) -> None:

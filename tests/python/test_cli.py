@@ -219,6 +219,13 @@ def test_a_full_disk_is_an_error_and_spoils_no_file(run, small_disk, command, op
     )
 
 
+def test_split_on_a_full_disk_says_that_the_folder_must_be_emptied(run, small_disk):
+    parts = small_disk / "parts"
+    code, _, errors = run("split", LEAF, "-k", "200", "-o", parts)
+    assert (code, errors.count("\n")) == (2, 1)
+    assert f"'; make room and run again, after emptying {parts}\n" in errors
+
+
 def test_a_mesh_that_is_not_whole_on_the_disk_is_an_error(run, tmp_path, monkeypatch):
     save = pymeshlab.MeshSet.save_current_mesh
 
@@ -320,6 +327,39 @@ def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypa
     assert errors.count("\n") == 1
     assert message in errors
     assert errors.startswith("spheroseg")
+
+
+# Nobody, not even root, may make files in /sys.
+@pytest.mark.parametrize(
+    ("arguments", "place"),
+    [
+        (["segment", CUBE, "-k", "2", "-o", "ok.ply", "--labels", "/sys/l.npy"], "/sys/l.npy"),
+        (["measure", CUBE, "--json", "/sys/m.json"], "/sys/m.json"),
+        (["parametrize", CUBE, "-o", "link/s.ply"], "link/s.ply"),
+        (["export", CUBE, "-k", "2", "-o", "/sys/o.npz"], "/sys/o.npz"),
+        (["split", CUBE, "-k", "2", "-o", "/sys/new/parts"], "/sys/new/parts"),
+        (["split", CUBE, "-k", "2", "-o", "circle"], "circle"),
+        (["batch", CUBE, "-o", "/sys/new"], "/sys/new"),
+        (["batch", CUBE, "-o", "circle/new"], "circle/new"),
+        (["evaluate", CUBE, "-o", "/sys/new"], "/sys/new"),
+        (["segment", CUBE, "-o", "circle.ply"], "circle.ply"),
+        (["segment", CUBE, "-o", 252 * "n" + ".ply"], 252 * "n" + ".ply"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else value[-12:],
+)
+def test_a_place_where_nothing_can_be_written_is_refused_before_any_work(
+    run, tmp_path, monkeypatch, arguments, place
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(mesh_files, "read_mesh", None)
+    (tmp_path / "link").symlink_to("/sys")
+    for name in ("circle", "circle.ply"):
+        (tmp_path / name).symlink_to(name)
+    before = sorted(tmp_path.iterdir())
+    code, shown, errors = run(*arguments)
+    assert (code, shown, errors.count("\n")) == (2, "", 1)
+    assert errors.startswith(f"spheroseg {arguments[0]}: {place}: ")
+    assert sorted(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(

@@ -17,10 +17,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from spheroseg import __version__, api, atomic
 from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import Job
+from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.errors import InputError
 from spheroseg.export import gltf_library
-from spheroseg.file_checks import check_name
 from spheroseg.packages import require
 
 FORMATS = ("ply", "npy", "npz", "glb")
@@ -65,7 +65,7 @@ def run(arguments) -> int:
     if workers < 1:
         raise InputError(f"--workers must be 1 or more, got {workers}")
     folder = Path(arguments.output)
-    check_name(folder.absolute())
+    shared.check_folder(folder)
     _check_packages(arguments)
     jobs = _jobs(arguments, workers)
     lists = [Path(text) for text in arguments.inputs]

@@ -15,10 +15,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from spheroseg.batch import inputs
+from spheroseg.commands import shared
 from spheroseg.errors import InputError
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
-from spheroseg.file_checks import check_name
 from spheroseg.packages import require
 
 VIEWER_LIMIT = 120_000
@@ -54,7 +54,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     folder = Path(arguments.output)
-    check_name(folder.absolute())
+    shared.check_folder(folder)
     plan = _plan(arguments)
     sources = inputs.collect(arguments.inputs)
     report = _report_module()

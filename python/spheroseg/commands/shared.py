@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the subcommands share: checks of paths, progress, the table of measures, JSON."""
 
+import contextlib
 import json
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ def check_output(path: str | None, *suffixes: str) -> None:
     """Refuses a path that could not be written later, before any work is done."""
     if path is None:
         return
-    check_name(Path(path).resolve())
+    _check_path(Path(path))
     if Path(path).suffix.lower() not in suffixes:
         raise InputError(f"{path}: the name must end in {' or '.join(suffixes)}")
     if not Path(path).parent.is_dir():
@@ -37,6 +38,24 @@ def check_output(path: str | None, *suffixes: str) -> None:
         raise InputError(f"{path}: is a folder")
     if Path(path).exists() and not Path(path).is_file():
         raise InputError(f"{path}: is no ordinary file; name another one")
+    atomic.check_place(Path(path))
+
+
+def check_folder(folder: Path) -> None:
+    """Refuses a folder, there or not, in which nothing could be written later."""
+    _check_path(folder)
+    nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    try:
+        atomic.check_place(nearest / "any")
+    except OSError as error:
+        error.filename = str(folder)
+        raise
+
+
+def _check_path(path: Path) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        path.stat()  # raises for a name that is too long, and for links that lead in a circle
+    check_name(path.resolve())
 
 
 def check_outputs(arguments) -> None:

@@ -7,9 +7,9 @@ MESH. DIR/manifest.json names each file with its counts and its neighbours.
 
 from pathlib import Path
 
-from spheroseg.commands import labelled
+from spheroseg import atomic
+from spheroseg.commands import labelled, shared
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_name
 from spheroseg.split import MANIFEST_NAME, write_split
 
 
@@ -20,10 +20,14 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     folder = Path(arguments.output)
-    check_name(folder.absolute())
+    shared.check_folder(folder)
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: must be a new or an empty folder")
     mesh = labelled.read(arguments)
-    write_split(mesh.submeshes, mesh.vertices, folder, arguments.mesh, mesh.face_colours)
+    try:
+        write_split(mesh.submeshes, mesh.vertices, folder, arguments.mesh, mesh.face_colours)
+    except atomic.DiskFullError as error:
+        error.strerror += f", after emptying {folder}"
+        raise
     print(f"{mesh.submeshes.count} sub-meshes in {folder} ({MANIFEST_NAME} lists them)")
     return 0
