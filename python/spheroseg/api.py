@@ -200,6 +200,11 @@ def segment_parameters(options: dict[str, Any]) -> dict[str, Any]:
                 f"segment has no option {name!r}; it has submesh_count, " + ", ".join(_OPTIONS)
             )
         parameters[name] = _checked_option(name, value, kind)
+    if parameters.get("weight_attribute") and parameters.get("balance") != "weight":
+        raise InputError(
+            f"weight_attribute={options['weight_attribute']!r} needs balance='weight'; without it "
+            "triangles are counted"
+        )
     return parameters
 
 

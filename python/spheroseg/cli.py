@@ -119,6 +119,10 @@ def _run(argv: Sequence[str] | None) -> int:
     arguments = parser.parse_args(argv)
     if arguments.command is None:
         parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
+    for name, value in vars(arguments).items():
+        # Mostly a variable of the shell that is not set.
+        if value == "" or (isinstance(value, list) and "" in value):
+            parser.error(f"{name.replace('_', '-')} is empty: name something, or leave it out")
     program = f"spheroseg {arguments.command}"
     try:
         return arguments.run(arguments)

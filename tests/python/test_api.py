@@ -254,6 +254,7 @@ BAD_OPTIONS = [
     ({"max_refinement_iterations": -1}, r"max_refinement_iterations.*-1"),
     ({"time_limit_seconds": -0.5}, r"time_limit_seconds.*-0.5"),
     ({"time_limit_seconds": float("nan")}, r"time_limit_seconds must be finite, got nan"),
+    ({"weight_attribute": "w"}, r"weight_attribute='w' needs balance='weight'"),
     ({"colours": 3}, r"no option 'colours'; it has submesh_count"),
 ]
 
