@@ -448,6 +448,17 @@ def test_wrong_csv_is_refused_with_the_reason(content, message, tmp_path):
         inputs.collect([str(path)])
 
 
+def test_blanks_after_the_commas_of_a_csv_mean_nothing(tmp_path):
+    path = tmp_path / "list.csv"
+    path.write_text('mesh , submesh_count\na.ply , 10\nb.ply, "7" \n" c.ply",\n')
+    found = inputs.collect([str(path)])
+    assert [(source.mesh.name, source.submesh_count) for source in found] == [
+        ("a.ply", 10),
+        ("b.ply", 7),
+        ("c.ply", None),
+    ]
+
+
 def test_two_files_for_one_result_are_refused(tmp_path):
     for folder in ("one", "two"):
         write_mesh(tmp_path / folder / "a.ply")

@@ -79,8 +79,8 @@ def _from_csv(path: Path):
 
 def _csv_rows(path: Path):
     with path.open(newline="", encoding="utf-8-sig") as stream:
-        reader = csv.DictReader(stream)
-        columns = reader.fieldnames or []
+        reader = csv.DictReader(stream, skipinitialspace=True)
+        columns = reader.fieldnames = [name.strip() for name in reader.fieldnames or []]
         if "mesh" not in columns:
             raise InputError(f"{path}: must have a column 'mesh', but has {', '.join(columns)}")
         count_column = next((name for name in _COUNT_COLUMNS if name in columns), None)
