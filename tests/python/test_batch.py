@@ -411,6 +411,12 @@ def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypa
     assert json.loads(job.record_path().read_text()) == record
 
 
+def test_names_of_failed_meshes_are_shown_as_they_are(tmp_path, capsys):
+    (tmp_path / ":car:[b].ply").write_text("no mesh")
+    assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
+    assert ":car:[b].ply" in capsys.readouterr().err
+
+
 def test_folder_glob_and_file_name_each_mesh_once(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("deep/er/a.ply", "deep/b.OBJ", "c.off", "notes.txt"):

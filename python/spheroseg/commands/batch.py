@@ -160,5 +160,6 @@ class _Display:
 
     def add(self, record: dict) -> None:
         if record["status"] != "done":
-            self.console.print(f"failed: {record['mesh']}: {record['error']}", markup=False)
+            line = f"failed: {record['mesh']}: {record['error']}"
+            self.console.print(line, markup=False, emoji=False)
         self.progress.advance(self.task)

@@ -70,7 +70,7 @@ def run(arguments) -> int:
         if row["status"] == "failed"
     ]
     for failure in failures:
-        console.print(f"failed: {failure}", markup=False)
+        console.print(f"failed: {failure}", markup=False, emoji=False)
     if not rows:
         raise InputError("no mesh could be evaluated")
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
