@@ -367,6 +367,19 @@ def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
     assert main([*arguments, "-k", "2"]) == 0, "nothing was done, so that nothing is to be resumed"
 
 
+def test_an_address_that_is_none_is_said_soon_and_without_a_traceback(tmp_path):
+    pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    for address in ("foo", "abc://host:1"):
+        began = time.monotonic()
+        code, _, said = run_batch(
+            tmp_path / "a.ply", "-o", tmp_path / "out", "--scheduler", address
+        )
+        assert (code, said.count("\n")) == (2, 1)
+        assert f"no Dask scheduler answers at {address}: " in said
+        assert time.monotonic() - began < 10
+
+
 @pytest.mark.parametrize(
     "option", [("-k", "0"), ("--threads", "-1"), ("--time-limit", "-1"), ("-k", "-3")]
 )

@@ -130,9 +130,11 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
 
 def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
     from distributed import Client, as_completed
+    from distributed.comm import get_address_host_port
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     try:
+        get_address_host_port(scheduler)  # the client waits half a minute for one without a port
         client = Client(scheduler, timeout="15s", set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(f"no Dask scheduler answers at {scheduler}: {error}") from None
