@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import dataclasses
 import hashlib
 import json
 import os
@@ -422,6 +423,22 @@ def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypa
     assert record["status"] == "failed"
     assert "signal 11" in record["error"]
     assert json.loads(job.record_path().read_text()) == record
+
+
+def test_process_whose_parent_has_ended_does_nothing(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), {}, (".npy",), {})
+    with subprocess.Popen(["true"]) as ended:
+        pass
+    done = subprocess.run(
+        [sys.executable, "-m", "spheroseg.batch.worker", str(ended.pid)],
+        input=json.dumps(dataclasses.asdict(job)),
+        capture_output=True,
+        text=True,
+        env=jobs.package_environment(),
+    )
+    assert (done.returncode, done.stderr) == (1, "")
+    assert not (tmp_path / "out").exists()
 
 
 def test_names_of_failed_meshes_are_shown_as_they_are(tmp_path, capsys):

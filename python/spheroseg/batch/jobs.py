@@ -91,7 +91,7 @@ def run_job(job: Job) -> dict[str, Any]:
 
 def _run_process(job: Job) -> subprocess.CompletedProcess:
     return subprocess.run(
-        [sys.executable, "-m", "spheroseg.batch.worker"],
+        [sys.executable, "-m", "spheroseg.batch.worker", str(os.getpid())],
         input=json.dumps(asdict(job)),
         capture_output=True,
         text=True,
@@ -126,6 +126,6 @@ def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any
 
 def _reason(process: subprocess.CompletedProcess) -> str:
     if process.returncode < 0:
-        return f"{process.args[-1]} was ended by signal {-process.returncode}"
+        return f"the process was ended by signal {-process.returncode}"
     lines = process.stderr.strip().splitlines()
     return lines[-1] if lines else f"the process ended with exit code {process.returncode}"

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The process of one job: reads it as JSON from stdin, writes results and, last, the record.
 
+Its argument is the id of the process that started it, with which it ends.
+
 Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full.
 """
 
@@ -26,7 +28,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 def main() -> int:
-    _end_with_parent()
+    _end_with(int(sys.argv[1]))
     job = Job(**json.load(sys.stdin))
     try:
         store(job, _record(job))
@@ -79,10 +81,9 @@ def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
     return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes, colours)
 
 
-def _end_with_parent() -> None:
-    """Asks Linux to end this process when the one that started it is killed."""
+def _end_with(parent: int) -> None:
+    """Asks Linux to end this process when its parent is killed, which may have happened already."""
     if sys.platform == "linux":
-        parent = os.getppid()
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:
             sys.exit(1)
