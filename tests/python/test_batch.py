@@ -281,6 +281,22 @@ def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
         assert len(glb_colours(output / f"{name}.glb") - ply_colours(output / f"{name}.ply")) == 0
 
 
+def test_manifest_tells_what_was_balanced_and_how_well(tmp_path):
+    vertices, faces = bumpy_sphere(2, 0)
+    two = np.vstack([vertices, vertices + 9]), np.vstack([faces, faces + len(vertices)])
+    (tmp_path / "two.ply").write_bytes(ply_bytes(*two))
+    for balance in ("triangle_count", "weight"):
+        output = tmp_path / balance
+        options = ["-o", str(output), "-k", "5", "--balance", balance]
+        assert main(["batch", str(tmp_path / "two.ply"), *options]) == 0
+        (row,) = rows(output)
+        assert (row["balance"], row["component_count"]) == (balance, "2")
+        # Two sub-meshes share the 128 triangles of one component: 64 each where the mean is 51.2.
+        assert float(row["weight_imbalance"]) == pytest.approx(1.25, abs=0.02)
+    (row,) = rows(tmp_path / "triangle_count")
+    assert row["best_max_triangle_count_difference"] == "22"
+
+
 def test_names_with_blanks_and_quotes_are_told_apart_in_the_manifest(tmp_path):
     for name in ("plain", "two words", "it's", "a 'b' c"):
         write_mesh(tmp_path / "in" / f"{name}.ply")

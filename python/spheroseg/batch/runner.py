@@ -26,6 +26,9 @@ _MEASURES = (
     "min_submesh_triangles",
     "max_submesh_triangles",
     "max_triangle_count_difference",
+    "best_max_triangle_count_difference",
+    "component_count",
+    "weight_imbalance",
     "coefficient_of_variation",
     "boundary_edge_count",
     "boundary_edge_ratio",
@@ -37,6 +40,7 @@ _MEASURES = (
     "time_limit_hit",
     "used_cuda",
 )
+_OPTIONS = ("method", "effort", "seed", "balance")
 _SECONDS = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds", "total_seconds")
 
 Record = dict[str, Any]
@@ -196,7 +200,7 @@ def _row(record: Record) -> dict[str, Any]:
     outputs = record["outputs"]
     row = {"mesh": record["mesh"], "status": record["status"], "error": record["error"]}
     row |= {name: record.get("measures", {}).get(name) for name in _MEASURES}
-    row |= {name: settings["options"].get(name) for name in ("method", "effort", "seed")}
+    row |= {name: settings["options"].get(name) for name in _OPTIONS}
     row |= {
         "input_sha256": record.get("input_sha256"),
         "outputs": shlex.join(outputs),

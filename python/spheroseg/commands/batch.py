@@ -25,7 +25,7 @@ from spheroseg.packages import require
 
 FORMATS = ("ply", "npy", "npz", "glb")
 # Of the filter; given here so that the manifest tells of them.
-_DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0}
+_DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0, "balance": "triangle_count"}
 _LEAST = {
     "submesh_count": 1,
     "triangles_per_submesh": 1,
