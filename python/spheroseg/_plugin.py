@@ -3,7 +3,9 @@
 
 import os
 import re
+import threading
 from pathlib import Path
+from typing import Any
 
 import pymeshlab
 
@@ -38,6 +40,17 @@ Split into Sub-mesh Layers (SpheroSeg): one layer per sub-mesh, with the attribu
     "generate_submesh_lod": """\
 Sub-mesh Level of Detail (SpheroSeg): simplifies each sub-mesh on its own, its boundary kept.""",
 }
+
+
+# The plugin refuses a filter while another one runs. A fork waits for it too, as the child would
+# find it running for ever.
+_one_at_a_time = threading.Lock()
+os.register_at_fork(
+    before=_one_at_a_time.acquire,
+    after_in_parent=_one_at_a_time.release,
+    after_in_child=_one_at_a_time.release,
+)
+_of_this_thread = threading.local()
 
 
 def plugin_path() -> Path:
@@ -84,6 +97,35 @@ def load_plugin() -> Path:
     return path
 
 
+def apply_filter(
+    mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, Any]
+) -> dict[str, Any]:
+    """Applies a filter of the plugin, after those that other threads are running.
+
+    Raises PyMeshLabException when it fails, and PluginError where it would never end.
+    """
+    with _one_at_a_time:
+        if parameters.get("thread_count") != 1:
+            _refuse_after_fork()
+        try:
+            return mesh_set.apply_filter(name, **parameters)
+        except pymeshlab.PyMeshLabException:
+            forget_failed_call()
+            raise
+
+
+def _refuse_after_fork() -> None:
+    """OpenMP waits for ever in a forked child for the threads that the forking thread had."""
+    process = os.getpid()
+    if getattr(_of_this_thread, "parallel_process", process) != process:
+        raise PluginError(
+            "This process was forked from one that had run a SpheroSeg filter on several threads, "
+            "which it can not do again: start it with multiprocessing's method 'spawn' or "
+            "'forkserver', or use thread_count=1 in one of the two"
+        )
+    _of_this_thread.parallel_process = process
+
+
 def forget_failed_call() -> None:
     """To be called after PyMeshLab has thrown, while the MeshSet of the failed call still exists.
 
@@ -101,12 +143,8 @@ def _loaded_filters() -> list[str]:
 
 def _bound_filter(name: str):
     def filter_method(self, **parameters):
-        try:
-            # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
-            return self.apply_filter(name, **parameters) or None
-        except pymeshlab.PyMeshLabException:
-            forget_failed_call()
-            raise
+        # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
+        return apply_filter(self, name, parameters) or None
 
     filter_method.__name__ = name
     filter_method.__qualname__ = f"MeshSet.{name}"

@@ -10,7 +10,7 @@ import numpy as np
 import pymeshlab
 from numpy.typing import ArrayLike
 
-from spheroseg._plugin import forget_failed_call, load_plugin
+from spheroseg._plugin import apply_filter, load_plugin
 from spheroseg.arrays import as_face_weights, as_faces, as_labels, as_vertices
 from spheroseg.errors import InputError
 
@@ -168,13 +168,13 @@ def sphere_positions(mesh_set: pymeshlab.MeshSet) -> np.ndarray:
 def run_filter(mesh_set: pymeshlab.MeshSet, name: str, **parameters: Any) -> dict[str, Any]:
     """Applies a filter of the plugin to the current mesh and returns its measures by name.
 
-    Raises PluginError when the plugin is not there, InputError when the filter refuses.
+    Raises PluginError when the plugin is not there or this is a forked process in which it would
+    hang, InputError when the filter refuses.
     """
     load_plugin()
     try:
-        measures = mesh_set.apply_filter(name, **parameters)
+        measures = apply_filter(mesh_set, name, parameters)
     except pymeshlab.PyMeshLabException as error:
-        forget_failed_call()
         raise InputError(_filter_message(str(error))) from None
     return {
         key: np.asarray(value).ravel() if isinstance(value, np.ndarray) else value

@@ -11,4 +11,4 @@ class MissingPackageError(InputError, ImportError):
 
 
 class PluginError(ImportError):
-    """The MeshLab plugin is missing or does not fit the installed PyMeshLab."""
+    """The MeshLab plugin is missing, does not fit PyMeshLab, or can not run in a forked process."""

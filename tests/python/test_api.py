@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """segment, parametrize and measure on arrays; the filters as methods of MeshSet."""
 
+import contextlib
 import os
+import signal
 import subprocess
 import sys
+import threading
+import time
+from concurrent import futures
 
 import numpy as np
 import pymeshlab
@@ -301,6 +306,74 @@ for _ in range(40):
         env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python")},
     )
     assert done.returncode == 0
+
+
+def test_calls_of_several_threads_wait_for_one_another(sample_arrays):
+    arrays = sample_arrays["flat_leaf.ply"]
+    expected = segment(arrays, 20).labels
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(*arrays))
+    together = threading.Barrier(8)
+
+    def call(number):
+        together.wait()
+        if number == 0:
+            mesh_set.compute_scalar_by_balanced_segmentation_per_face(submesh_count=20, **FEW)
+            return mesh_set.current_mesh().face_scalar_array()
+        return segment(arrays, 20).labels
+
+    with futures.ThreadPoolExecutor(8) as pool:
+        for labels in pool.map(call, range(8)):
+            assert np.array_equal(labels, expected)
+
+
+FORK = """
+import os, signal, sys
+import numpy, spheroseg
+from spheroseg.api import TETRAHEDRON
+
+def call(thread_count):
+    if thread_count >= 0:
+        spheroseg.segment(*TETRAHEDRON, 2, thread_count=thread_count)
+
+call(int(sys.argv[1]))
+child = os.fork()
+if child == 0:
+    signal.alarm(20)
+    try:
+        call(int(sys.argv[2]))
+    except spheroseg.PluginError as error:
+        os._exit(3 if "forkserver" in str(error) else 4)
+    os._exit(0)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("in_parent", "in_child", "code"),
+    [(2, 2, 3), (0, 2, 3), (2, 1, 0), (1, 2, 0), (-1, 2, 0)],
+)
+def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, code):
+    done = subprocess.run(
+        [sys.executable, "-c", FORK, str(in_parent), str(in_child)],
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python")},
+    )
+    assert done.returncode == code
+
+
+def test_a_fork_waits_for_the_filter_of_another_thread(cube, sample_arrays):
+    with futures.ThreadPoolExecutor(1) as pool:
+        other = pool.submit(spheroseg.segment, *sample_arrays["displaced_sphere.ply"], 200)
+        time.sleep(0.1)  # until it runs
+        child = os.fork()
+        if child == 0:
+            signal.alarm(20)
+            with contextlib.suppress(BaseException):
+                segment(cube, 4, thread_count=1)
+                os._exit(0)
+            os._exit(1)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+        other.result()
 
 
 def test_no_faces_are_an_input_error():
