@@ -4,6 +4,7 @@
 #include "coloring.h"
 #include "generate_layers.h"
 #include "help.h"
+#include "interrupt.h"
 #include "mesh_adapter.h"
 #include "parameters.h"
 
@@ -17,12 +18,10 @@ extern "C" [[gnu::used]] Q_DECL_EXPORT const char spheroseg_host[] =
 
 namespace {
 
-Progress to_progress(vcg::CallBackPos* callback) {
-    if (!callback) {
-        return {};
-    }
-    return [callback](double fraction, const char* step) {
-        return callback(static_cast<int>(100.0 * fraction), step);
+Progress to_progress(vcg::CallBackPos* callback, const InterruptWatch& watch) {
+    return [callback, &watch](double fraction, const char* step) {
+        return !watch.interrupted() &&
+            (!callback || callback(static_cast<int>(100.0 * fraction), step));
     };
 }
 
@@ -170,15 +169,17 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
                                    unsigned int& post_condition_mask,
                                    vcg::CallBackPos* callback) {
     const ExclusiveRun exclusive(running_);
+    const InterruptWatch watch;
+    const Progress progress = to_progress(callback, watch);
     try {
         if (!document.mm()) {
             throw InvalidInput("A mesh is expected, but the document has none. Open one first.");
         }
         switch (ID(action)) {
         case SEGMENTATION:
-            return segment(document, parameters, post_condition_mask, to_progress(callback));
+            return segment(document, parameters, post_condition_mask, progress);
         case PARAMETRIZATION:
-            return parametrize(document, parameters, to_progress(callback));
+            return parametrize(document, parameters, progress);
         case MEASURES:
             return measure(*document.mm());
         case LAYERS:

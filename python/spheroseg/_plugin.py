@@ -13,6 +13,7 @@ from spheroseg.errors import InputError, PluginError
 from spheroseg.install import PLUGIN_FILE, plugin_host
 
 PLUGIN_VARIABLE = "SPHEROSEG_PLUGIN"
+_CANCELLED = "The operation was cancelled"  # says the engine (progress.h)
 
 FILTERS = {
     "compute_scalar_by_balanced_segmentation_per_face": """\
@@ -97,20 +98,27 @@ def load_plugin() -> Path:
     return path
 
 
-def apply_filter(
-    mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, Any]
-) -> dict[str, Any]:
-    """Applies a filter of the plugin, after those that other threads are running.
+def apply_filter(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, Any]) -> Any:
+    """MeshSet.apply_filter for the plugin's filters, after those that other threads are running.
 
-    Raises PyMeshLabException when it fails, and PluginError where it would never end.
+    Nothing is left behind by a failed call. A filter that a Ctrl-C has cancelled
+    (filter_spheroseg/interrupt.h) ends with what the handler of the signal raises, or with
+    KeyboardInterrupt where that raises nothing. Raises PluginError where it would never end.
     """
     with _one_at_a_time:
         if parameters.get("thread_count") != 1:
             _refuse_after_fork()
         try:
             return mesh_set.apply_filter(name, **parameters)
-        except pymeshlab.PyMeshLabException:
-            forget_failed_call()
+        except pymeshlab.PyMeshLabException as error:
+            try:
+                forget_failed_call()
+            except BaseException as raised:
+                # Of a signal that came during the filter: Python calls its handler only now.
+                forget_failed_call()
+                raise raised from None
+            if _CANCELLED in str(error):
+                raise KeyboardInterrupt from None
             raise
 
 

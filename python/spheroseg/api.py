@@ -169,7 +169,7 @@ def run_filter(mesh_set: pymeshlab.MeshSet, name: str, **parameters: Any) -> dic
     """Applies a filter of the plugin to the current mesh and returns its measures by name.
 
     Raises PluginError when the plugin is not there or this is a forked process in which it would
-    hang, InputError when the filter refuses.
+    hang, InputError when the filter refuses, KeyboardInterrupt when a Ctrl-C has cancelled it.
     """
     load_plugin()
     try:

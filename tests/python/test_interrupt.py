@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Ctrl-C cancels a filter that runs, and whoever listened for it hears it."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+
+import pytest
+from mesh_paths import REPOSITORY, SAMPLE_FOLDER
+from shapes import bumpy_sphere
+
+from spheroseg.ply import ply_bytes
+
+PATHS = [REPOSITORY / folder for folder in ("python", "tests/plugin", "tests/python")]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, PATHS)), "TERM": "xterm"}
+
+# Runs a filter that would take seconds, with a handler of SIGINT; tells what came of it as JSON.
+PROGRAM = """
+import json, os, signal, sys
+import host_meshes, pymeshlab
+from spheroseg import api
+
+handler_name, filter_name, levels, parameters, sample = json.loads(sys.argv[1])
+calls = []
+
+class Stop(Exception):
+    pass
+
+def note(*_):
+    calls.append("note")
+
+def stop(*_):
+    raise Stop
+
+handlers = {"default": signal.default_int_handler, "note": note, "stop": stop}
+handler = handlers.get(handler_name) or getattr(signal, handler_name)
+signal.signal(signal.SIGINT, handler)
+mesh_set = host_meshes.ellipsoid(levels)
+before = host_meshes.state(mesh_set)
+mesh_set.set_verbosity(True)
+try:
+    if handler_name == "default":
+        api.run_filter(mesh_set, filter_name, **parameters)
+    else:
+        getattr(mesh_set, filter_name)(**parameters)
+    raised = None
+except BaseException as error:
+    raised = type(error).__name__
+mesh_set.set_verbosity(False)
+told = {
+    "raised": raised,
+    "unchanged": host_meshes.state(mesh_set) == before,
+    "calls": len(calls),
+    "handler_is_there": signal.getsignal(signal.SIGINT) is handler,
+}
+if handler_name == "note":
+    os.kill(os.getpid(), signal.SIGINT)
+    told["calls_afterwards"] = len(calls)
+# PyMeshLab alone may crash here; see spheroseg._plugin.forget_failed_call.
+pymeshlab.MeshSet().load_new_mesh(sample)
+api.run_filter(mesh_set, api.SEGMENT_FILTER, submesh_count=7, effort="draft")
+told["sub-meshes_of_second_call"] = int(host_meshes.labels_of(mesh_set).max()) + 1
+print(json.dumps(told))
+"""
+
+SEGMENT = ("compute_scalar_by_balanced_segmentation_per_face", 7)
+LONG = {"submesh_count": 1000, "effort": "high"}
+SHORT = {"submesh_count": 1000, "effort": "draft"}
+PARAMETRIZE = ("compute_spherical_parametrization_per_vertex", 8)
+
+
+def interrupt_program(handler, filter_name, levels, parameters):
+    """Exit code and what the program told of itself; the signal comes after the first report."""
+    arguments = json.dumps(
+        [handler, filter_name, levels, parameters, str(SAMPLE_FOLDER / "cube.obj")]
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+    )
+    before = []
+    for line in process.stderr:
+        before.append(line)
+        if "% ]" in line:
+            break
+    process.send_signal(signal.SIGINT)
+    said, complained = process.communicate()
+    if process.returncode != 0:
+        return process.returncode, "".join(before) + complained
+    return 0, json.loads(said.splitlines()[-1])
+
+
+@pytest.mark.parametrize(
+    ("filter_and_levels", "parameters"),
+    [
+        (SEGMENT, LONG),
+        ((SEGMENT[0], 6), {"submesh_count": 200, "method": "all_pairs"}),
+        (PARAMETRIZE, {}),
+    ],
+)
+def test_filter_is_cancelled_and_its_mesh_set_can_be_used(filter_and_levels, parameters):
+    assert interrupt_program("default", *filter_and_levels, parameters) == (
+        0,
+        {
+            "raised": "KeyboardInterrupt",
+            "unchanged": True,
+            "calls": 0,
+            "handler_is_there": True,
+            "sub-meshes_of_second_call": 7,
+        },
+    )
+
+
+def test_own_handler_is_called_once_and_stays():
+    code, told = interrupt_program("note", *SEGMENT, LONG)
+    assert code == 0, told
+    assert (told["raised"], told["unchanged"]) == ("KeyboardInterrupt", True)
+    assert (told["calls"], told["calls_afterwards"]) == (1, 2)
+    assert told["handler_is_there"]
+
+
+def test_what_an_own_handler_raises_is_raised():
+    code, told = interrupt_program("stop", *SEGMENT, LONG)
+    assert code == 0, told
+    assert (told["raised"], told["unchanged"], told["handler_is_there"]) == ("Stop", True, True)
+    assert told["sub-meshes_of_second_call"] == 7
+
+
+def test_ignored_signal_stays_ignored():
+    code, told = interrupt_program("SIG_IGN", *SEGMENT, SHORT)
+    assert code == 0, told
+    assert (told["raised"], told["unchanged"], told["handler_is_there"]) == (None, False, True)
+
+
+def test_signal_that_ends_the_process_does_so():
+    code, _ = interrupt_program("SIG_DFL", *SEGMENT, LONG)
+    assert code == -signal.SIGINT
+
+
+def test_command_line_ends_with_one_line_and_writes_nothing(tmp_path):
+    (tmp_path / "mesh.ply").write_bytes(ply_bytes(*bumpy_sphere(7, 0)))
+    outputs = ["-o", "out.ply", "--labels", "out.npy", "--json", "out.json"]
+    controller, terminal = pty.openpty()  # for the bar, which tells of the first report
+    process = subprocess.Popen(
+        [sys.executable, "-m", "spheroseg", "segment", "mesh.ply", "-k", "1000"]
+        + ["--effort", "high", *outputs],
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=terminal,
+        env=ENVIRONMENT,
+    )
+    os.close(terminal)
+    shown = b""
+    sent = False
+    while chunk := read_terminal(controller):
+        shown += chunk
+        if not sent and b"Segmenting: " in shown:
+            process.send_signal(signal.SIGINT)
+            sent = True
+    os.close(controller)
+    assert process.wait() == 130, shown
+    assert shown.endswith(b"spheroseg segment: interrupted\r\n")
+    assert b"Traceback" not in shown
+    assert [path.name for path in tmp_path.iterdir()] == ["mesh.ply"]
+
+
+def read_terminal(controller):
+    try:
+        return os.read(controller, 65536)
+    except OSError:  # Linux says so that nobody has it open any more
+        return b""
