@@ -10,18 +10,18 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
+import numpy.typing as npt
+
 from spheroseg.errors import InputError
+from spheroseg.obj_checks import obj_triangle_count
+from spheroseg.ply_faces import PLY_TYPES, corner_counts
 
 _HEAD_BYTES = 65536
-_PLY_TYPE_BYTES = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
-    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
-    **dict.fromkeys(("double", "float64"), 8),
-}
-_PLY_TYPES = frozenset(name.encode() for name in _PLY_TYPE_BYTES)
+_BLOCK_BYTES = 2**22
 _PLY_LIST_ELEMENTS = (b"vertex", b"face", b"tristrips")
 _PLURALS = {"vertex": "vertices", "face": "faces"}
+_OFF_CORNERS = 4
 _STL_HEADER_BYTES = 84
 _STL_FACE_BYTES = 50
 _STL_SAMPLE_BYTES = 1000
@@ -36,22 +36,33 @@ def check_name(path: Path) -> None:
         raise InputError(f"{shown}: the name is not UTF-8; rename the file or folder") from None
 
 
-def check_before_reading(path: Path) -> None:
-    """Raises InputError for a ply, off or stl file that is damaged in such a way."""
+def checked_triangle_count(path: Path) -> int | None:
+    """Number of triangles that the faces of a ply, off, obj or stl file make, were none left out.
+
+    None where it is not known. Raises InputError for a file that is damaged in such a way.
+    """
     suffix = path.suffix.lower()
+    if suffix in (".obj", ".qobj"):
+        return obj_triangle_count(path)
     check = {".ply": _check_ply, ".off": _check_off, ".stl": _check_stl}.get(suffix)
     if check is None:
-        return
+        return None
     size = path.stat().st_size
     with path.open("rb") as file:
-        check(path, file.read(_HEAD_BYTES), size)
+        return check(path, file.read(_HEAD_BYTES), size)
 
 
-def _check_ply(path: Path, head: bytes, size: int) -> None:
-    header, found, _ = head.partition(b"end_header")
+def _check_ply(path: Path, head: bytes, size: int) -> int | None:
+    header, found, body = head.partition(b"end_header")
     if not found:
-        return  # PyMeshLab says what is wrong
+        return None  # PyMeshLab says what is wrong
     _check_ply_lines(path, header)
+    has_doubles = re.search(rb"^property.*\b(double|float64)\b", header, re.M)
+    if b"binary_big_endian" in header and has_doubles:
+        raise InputError(
+            f"{path}: has big-endian numbers of 64 bits, which PyMeshLab reads wrongly; write it "
+            "again as binary_little_endian"
+        )
     is_text = re.search(rb"^format\s+ascii", header, re.M) is not None
     needed = 0
     for element in re.split(rb"^element", header, flags=re.M)[1:]:
@@ -71,6 +82,8 @@ def _check_ply(path: Path, head: bytes, size: int) -> None:
         name = _shown(words[:1])
         _require(path, size - len(header) - needed, count, _PLURALS.get(name, name), least)
         needed += count * least
+    corners = corner_counts(path, header, len(head) - len(body) + body.find(b"\n") + 1)
+    return None if corners is None else _triangle_count(corners)
 
 
 def _check_ply_lines(path: Path, header: bytes) -> None:
@@ -86,9 +99,9 @@ def _check_ply_lines(path: Path, header: bytes) -> None:
 def _is_ply_line(words: list[bytes]) -> bool:
     kind, count = words[0], len(words)
     if kind == b"property" and count > 1 and words[1] == b"list":
-        return count == 5 and {words[2], words[3]} <= _PLY_TYPES
+        return count == 5 and {words[2], words[3]} <= PLY_TYPES.keys()
     if kind == b"property":
-        return count == 3 and words[1] in _PLY_TYPES
+        return count == 3 and words[1] in PLY_TYPES
     return kind in (b"comment", b"obj_info") or (kind in (b"element", b"format") and count == 3)
 
 
@@ -99,25 +112,27 @@ def _ply_bytes(element: bytes, is_text: bool) -> int:
         return 2 * len(properties)
     counts = re.findall(rb"^property\s+list\s+(\w+)", element, re.M)
     types = [name for name in properties if name != b"list"] + counts
-    return sum(_PLY_TYPE_BYTES[name.decode()] for name in types)
+    return sum(np.dtype(PLY_TYPES[name]).itemsize for name in types)
 
 
-def _check_off(path: Path, head: bytes, size: int) -> None:
+def _check_off(path: Path, head: bytes, size: int) -> int | None:
     bare = re.sub(rb"#[^\n]*", b"", head)
     found = re.match(rb"\s*[A-Z]*OFF\s+([-+]?\d+)\s+([-+]?\d+)", bare)
     if not found:
-        return
+        return None
     for text, name, least in ((found[1], "vertices", 6), (found[2], "faces", 4)):
         count = int(text)
         if count < 0:
             raise InputError(f"{path}: the header declares {count} {name}; the file is damaged")
         _require(path, size, count, name, least)
-    if b"BINARY" not in head:
-        _check_off_indices(path, int(found[1]), int(found[2]))
+    if b"BINARY" in head:
+        return None
+    return _triangle_count(_off_corner_counts(path, int(found[1]), int(found[2])))
 
 
-def _check_off_indices(path: Path, vertex_count: int, face_count: int) -> None:
-    """PyMeshLab follows an index beyond the vertices."""
+def _off_corner_counts(path: Path, vertex_count: int, face_count: int) -> list[int]:
+    """PyMeshLab follows an index beyond the vertices, and mixes up faces of more corners."""
+    corner_counts = []
     with path.open("rb") as file:
         lines = (words for line in file if (words := line.partition(b"#")[0].split()))
         header = next(lines)
@@ -125,18 +140,25 @@ def _check_off_indices(path: Path, vertex_count: int, face_count: int) -> None:
             next(lines)
         for words in itertools.islice(lines, vertex_count, vertex_count + face_count):
             corner_count = int(words[0]) if words[0].isdigit() else 0
+            if corner_count > _OFF_CORNERS:
+                raise InputError(
+                    f"{path}: a face has {corner_count} corners, and PyMeshLab reads off files "
+                    f"with {_OFF_CORNERS} at most; write it as ply or obj"
+                )
+            corner_counts.append(corner_count)
             for word in words[1 : 1 + corner_count]:
                 if not word.isdigit() or int(word) >= vertex_count:
                     raise InputError(
                         f"{path}: a face names the vertex '{_shown([word])}', expected an index in "
                         f"[0, {vertex_count}); the file is damaged"
                     )
+    return corner_counts
 
 
-def _check_stl(path: Path, head: bytes, size: int) -> None:
+def _check_stl(path: Path, head: bytes, size: int) -> int:
     sample = head[80 : 80 + _STL_SAMPLE_BYTES]
     if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
-        return
+        return _stl_text_facets(path)
     if size < _STL_HEADER_BYTES:
         raise InputError(f"{path}: has {size} bytes, too few for an STL file; it is damaged")
     count = int.from_bytes(head[80:84], "little")
@@ -149,6 +171,28 @@ def _check_stl(path: Path, head: bytes, size: int) -> None:
             f"{_STL_HEADER_BYTES + count * _STL_FACE_BYTES:,} bytes, but the file has {size:,}; it "
             "is damaged"
         )
+    return count
+
+
+def _stl_text_facets(path: Path) -> int:
+    """Number of facets of all solids; only the last line tells that the file is whole."""
+    facets = 0
+    last_line = b""
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK_BYTES) + file.readline():
+            facets += block.lower().count(b"endfacet")
+            last_line = (block.rstrip().rpartition(b"\n")[2] or last_line).lstrip()
+    if not last_line.lower().startswith(b"endsolid"):
+        raise InputError(
+            f"{path}: the last line is '{_shown([last_line])}', expected 'endsolid'; the file is "
+            "cut short or damaged"
+        )
+    return facets
+
+
+def _triangle_count(corner_counts: npt.ArrayLike) -> int:
+    """A face of fewer than three corners counts as one, which PyMeshLab does not make."""
+    return int(np.maximum(np.asarray(corner_counts, dtype=np.int64) - 2, 1).sum())
 
 
 def _require(path: Path, available: int, count: int, name: str, least_bytes: int) -> None:

@@ -4,7 +4,6 @@
 import errno
 import io
 import os
-import re
 import warnings
 from pathlib import Path
 
@@ -14,9 +13,8 @@ import pymeshlab
 from spheroseg import atomic
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_before_reading, check_name
+from spheroseg.file_checks import check_name, checked_triangle_count
 
-_HEADER_BYTES = 65536
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
 
@@ -31,7 +29,7 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     check_name(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
-    check_before_reading(path)
+    expected = checked_triangle_count(path)
     mesh_set = pymeshlab.MeshSet()
     try:
         mesh_set.load_new_mesh(str(path))
@@ -44,33 +42,16 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
             "machine with more memory"
         ) from None
     face_count = mesh_set.current_mesh().face_number()
-    declared = declared_face_count(path)
-    if declared is not None and declared > face_count:
+    if expected is not None and expected > face_count:
         raise InputError(
-            f"{path}: {declared - face_count} of its {declared} faces can not be used: each names "
-            "a vertex twice, a vertex that is not there, or a vertex whose coordinates are not "
-            "finite (NaN); repair the file first"
+            f"{path}: {expected - face_count} of the {expected} triangles of its faces can not be "
+            "used: each names a vertex twice (in stl: has two corners at one place), a vertex that "
+            "is not there, or one whose coordinates are not finite (NaN); repair the file first, "
+            "or save it again in MeshLab, which leaves them out"
         )
     if face_count == 0:
         raise InputError(f"{path}: has no faces; a triangle mesh is needed")
     return mesh_set
-
-
-def declared_face_count(path: Path) -> int | None:
-    """Number of faces that a ply, off or obj file claims to have; None for other formats."""
-    suffix = path.suffix.lower()
-    with path.open("rb") as file:
-        if suffix == ".obj":
-            return sum(line.lstrip()[:2] in (b"f ", b"f\t") for line in file)
-        head = file.read(_HEADER_BYTES)
-    if suffix == ".ply":
-        found = re.search(rb"^element\s+face\s+(\d+)", head, re.M)
-    elif suffix == ".off":
-        bare = re.sub(rb"#[^\n]*", b"", head)
-        found = re.match(rb"\s*[A-Z]*OFF\s+\d+\s+(\d+)", bare)
-    else:
-        found = None
-    return int(found[1]) if found else None
 
 
 def face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:

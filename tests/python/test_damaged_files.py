@@ -7,13 +7,14 @@ import random
 import re
 import resource
 import signal
+import struct
 
 import numpy as np
 import pymeshlab
 import pytest
 from mesh_paths import SAMPLE_FOLDER
 
-from spheroseg import cli
+from spheroseg import cli, file_checks, mesh_files, obj_checks
 from spheroseg.batch import inputs, jobs
 from spheroseg.errors import InputError
 
@@ -102,8 +103,7 @@ def exit_code_of_fork(work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-# Not obj: PyMeshLab's reader may corrupt its memory there (docs/reliability.md, Limits).
-@pytest.mark.parametrize("name", ["ply", "text.ply", "off", "stl", "text.stl"])
+@pytest.mark.parametrize("name", FORMATS)
 def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
     # In processes of their own: PyMeshLab might end one.
     generator = random.Random(2)
@@ -125,6 +125,174 @@ def test_an_off_face_that_names_a_missing_vertex_is_refused(outcome, whole):
     faces = whole["off"].rstrip().rsplit(b"\n", 1)
     for wrong in (b"3 0 1 8", b"3 0 1 4957", b"3 0 1 -1", b"3 0 1 \xff"):
         assert_refused(outcome("off", faces[0] + b"\n" + wrong + b"\n"))
+
+
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\n"
+TEXTURES = "vt 0 0\n" * 4
+NORMALS = "vn 0 0 1\n" * 4
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ("f 2 4 50000\n", "line 8: a face names the vertex 50000, expected an index from 1 to 4"),
+        ("f 2 4 5\n", "the vertex 5"),
+        ("f 2 4 0\n", "the vertex 0"),
+        ("f 2 4 -5\n", "the vertex -5"),
+        ("f 2 4 99999999999999999999\n", "the vertex 99999"),
+        ("f 2 4 \\\n  -2147483648\n", "the vertex -2147483648"),
+        ("f 2 4 3 # a face\n", "the vertex 0"),
+        ("q 0 1 2 4\n", "the vertex 5"),
+        (TEXTURES + "f 2/1 4/2 3/5\n", "the texture coordinate 5"),
+        (TEXTURES + "f 2/1 4/2 3/0\n", "the texture coordinate 0"),
+        (NORMALS + "f 2//1 4//2 3//5\n", "the normal 5"),
+        (NORMALS + "f 2//1 4//2 3//\n", "the normal 0"),
+        (TEXTURES + NORMALS + "f 2/1/1 4/2/-5 3/3/3\n", "the normal -5"),
+        ("  v 0 0 0\n", "line 8: a vertex has blanks before"),
+        ("f 2 \\\r\n4 3\r\n", "line 8: goes on in the next one"),
+    ],
+)
+def test_an_obj_index_of_something_that_is_not_there_is_refused(outcome, lines, words):
+    result = outcome("obj", (TETRAHEDRON + lines).encode())
+    assert_refused(result)
+    assert words in result[1]
+
+
+@pytest.mark.parametrize(
+    "face",
+    [
+        "f -3 -1 -2",
+        "  f\t2  4\t3  ",
+        "f 2 \\\n4 \\\n3",
+        "f 2/9 4/9 3/9",
+        "f 2//9 4//9 3//9",
+        "f 2// 4// 3//",
+        "q 1 1 3 2",
+    ],
+)
+def test_other_forms_of_obj_indices_are_read(tmp_path, face):
+    content = TETRAHEDRON.replace("\n", "\r\n") + "\n" + face
+    if face.startswith("q"):
+        content = TETRAHEDRON.rpartition("f")[0] + "q 0 2 1 3\n"
+    path = tmp_path / "mesh.obj"
+    path.write_bytes(content.encode())
+    assert mesh_files.read_mesh(path).current_mesh().face_number() == 4
+
+
+def test_obj_indices_are_checked_across_blocks_of_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(obj_checks, "_BLOCK_BYTES", 7)
+    path = tmp_path / "mesh.obj"
+    path.write_text(TETRAHEDRON + "f -3 \\\n -1 \\\n -2")
+    assert obj_checks.obj_triangle_count(path) == 4
+    path.write_text(TETRAHEDRON + "f 2 \\\n4 \\\n 3\nf 1 2 7\nv 0 0 0\n")
+    with pytest.raises(InputError, match=r"line 11: a face names the vertex 7.* from 1 to 5"):
+        obj_checks.obj_triangle_count(path)
+
+
+def grid(side, damage=""):
+    """Vertices and faces of a plane of quads, one cut into triangles."""
+    vertices = [[x, y, 0.0] for x in range(side) for y in range(side)]
+    faces = [[a, a + side, a + side + 1, a + 1] for a in range(side * (side - 1)) if (a + 1) % side]
+    a, b, c, d = faces.pop(3)
+    faces[3:3] = [[a, b, c], [a, c, d]]
+    if damage == "NaN":
+        vertices[0][1] = float("nan")
+    elif damage == "infinite":
+        vertices[0][1] = float("inf")
+    elif damage == "corner twice":
+        faces[1][3] = faces[1][2]
+    elif damage == "thin triangle":
+        faces += [[0, 0, 1]]
+    return vertices, faces
+
+
+def polygon_bytes(name, vertices, faces):
+    """A file of polygons; `.big.ply` and `.little.ply` are binary."""
+    points = "".join(f"{x} {y} {z}\n" for x, y, z in vertices)
+    if name.endswith(".obj"):
+        lines = [f"v {point}\n" for point in points.splitlines()]
+        lines += ["f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces]
+        return "".join(lines).encode()
+    corners = "".join(f"{len(face)} " + " ".join(map(str, face)) + "\n" for face in faces)
+    if name.endswith(".off"):
+        return f"OFF\n{len(vertices)} {len(faces)} 0\n{points}{corners}".encode()
+    kind = name.split(".")[0]
+    form = "ascii" if kind == "text" else f"binary_{kind}_endian"
+    header = f"ply\nformat {form} 1.0\nelement vertex {len(vertices)}\n"
+    header += "".join(f"property float {axis}\n" for axis in "xyz")
+    header += f"element face {len(faces)}\nproperty uchar red\n"
+    header += "property list uchar int vertex_indices\nend_header\n"
+    if form == "ascii":
+        return (header + points + "".join(f"7 {line}\n" for line in corners.splitlines())).encode()
+    order = ">" if kind == "big" else "<"
+    rows = [struct.pack(f"{order}BB{len(face)}i", 7, len(face), *face) for face in faces]
+    return header.encode() + np.array(vertices, f"{order}f4").tobytes() + b"".join(rows)
+
+
+POLYGON_FILES = ["mesh.obj", "mesh.off", "text.ply", "little.ply", "big.ply"]
+
+
+@pytest.mark.parametrize("name", POLYGON_FILES)
+def test_files_of_polygons_are_read_and_counted_in_triangles(tmp_path, name):
+    path = tmp_path / name
+    for side in (3, 9):
+        path.write_bytes(polygon_bytes(name, *grid(side)))
+        assert file_checks.checked_triangle_count(path) == 2 * (side - 1) ** 2
+        assert mesh_files.read_mesh(path).current_mesh().face_number() == 2 * (side - 1) ** 2
+
+
+@pytest.mark.parametrize("damage", ["NaN", "infinite", "corner twice", "thin triangle"])
+@pytest.mark.parametrize("name", POLYGON_FILES)
+def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
+    result = outcome(name, polygon_bytes(name, *grid(6, damage)))
+    assert_refused(result)
+    assert " of the 5" in result[1]
+
+
+def test_big_endian_doubles_are_refused(outcome):
+    # PyMeshLab does not turn their bytes round.
+    content = polygon_bytes("big.ply", *grid(3)).replace(b"float z", b"double z")
+    result = outcome("ply", content + bytes(4 * 9))
+    assert_refused(result)
+    assert "binary_little_endian" in result[1]
+
+
+def test_an_off_face_of_five_corners_is_refused(outcome):
+    # PyMeshLab takes the vertices 0 to 4 for it.
+    vertices = [[0, 0, 1], [0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-1, 0.5, 0]]
+    result = outcome("off", polygon_bytes("mesh.off", vertices, [[0, 1, 2], [1, 2, 3, 4, 5]]))
+    assert_refused(result)
+    assert "5 corners" in result[1]
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+def test_stl_facets_that_can_not_be_used_are_refused(outcome, whole, number):
+    text = whole["text.stl"].decode().split("\n")
+    corner = next(i for i, line in enumerate(text) if "vertex" in line)
+    text[corner] = f"vertex {number} 0 0"
+    binary = bytearray(whole["stl"])
+    binary[84 + 12 : 84 + 16] = struct.pack("<f", float(number))
+    for name, content in (("stl", bytes(binary)), ("text.stl", "\n".join(text).encode())):
+        result = outcome(name, content)
+        assert_refused(result)
+        assert "1 of the 12" in result[1]
+
+
+def test_a_text_stl_needs_its_last_line(outcome, whole):
+    lines = whole["text.stl"].rstrip().split(b"\n")
+    facets = [i for i, line in enumerate(lines) if b"endfacet" in line]
+    result = outcome("text.stl", b"\n".join(lines[: facets[5] + 1]) + b"\n")
+    assert_refused(result)
+    assert "endsolid" in result[1]
+
+
+def test_a_text_stl_of_several_solids_is_read_whole(tmp_path, whole):
+    lines = whole["text.stl"].rstrip().split(b"\n")
+    first = [i for i, line in enumerate(lines) if b"endfacet" in line][5] + 1
+    solids = [[b"solid a", *lines[1:first], b"endsolid a"], [b"solid b", *lines[first:-1]]]
+    path = tmp_path / "mesh.stl"
+    path.write_bytes(b"\n".join([*solids[0], *solids[1], b"ENDSOLID b", b"", b""]))
+    assert mesh_files.read_mesh(path).current_mesh().face_number() == 12
 
 
 def test_a_ply_list_that_pymeshlab_can_not_skip_is_refused(outcome, whole):
@@ -267,8 +435,6 @@ def test_a_damaged_record_of_a_batch_means_that_the_mesh_is_done_again(tmp_path,
 
 
 def test_labels_are_read_into_memory_of_their_own(tmp_path):
-    from spheroseg import mesh_files
-
     path = tmp_path / "labels.npy"
     np.save(path, np.arange(5))
     labels = mesh_files.read_labels(path)

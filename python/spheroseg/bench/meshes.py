@@ -11,6 +11,8 @@ import pymeshlab
 
 from spheroseg import mesh_files
 from spheroseg.batch.jobs import sha256
+from spheroseg.errors import InputError
+from spheroseg.file_checks import checked_triangle_count
 
 PYMESHLAB_SAMPLES = ("cow.obj", "airplane.obj", "bone.ply", "bunny.obj")
 # Sample, and how often each triangle is split in four; the first is the series of the exponent.
@@ -27,10 +29,13 @@ class BenchMesh:
     path: str
     levels: int = 0
 
-    @property
+    @functools.cached_property
     def triangle_count(self) -> int:
-        """By the file's header."""
-        return (mesh_files.declared_face_count(Path(self.path)) or 0) * 4**self.levels
+        """By the faces in the file; 0 for one that can not be used."""
+        try:
+            return (checked_triangle_count(Path(self.path)) or 0) * 4**self.levels
+        except InputError:
+            return 0
 
     @functools.cached_property
     def digest(self) -> str:

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Indices in OBJ files, which PyMeshLab follows wherever they point.
+
+numpy takes many lines apart at a time: a loop of Python's takes longer than PyMeshLab's reading.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spheroseg.errors import InputError
+from spheroseg.text_numbers import BLANK, PADDING, whole_numbers, word_begins
+
+_BLOCK_BYTES = 2**20
+_END = b"\n#" + PADDING
+_NEWLINE, _SLASH, _FACE, _QUAD, _VERTEX = b"\n/fqv"
+
+
+@dataclass
+class _Kind:
+    """What a face can name, how often it was defined so far, and how it was named."""
+
+    name: str
+    second_letter: str
+    count: int = 0
+    #: The largest index, and the byte at which its line begins.
+    largest: tuple[int, int] = (0, 0)
+    #: The first index that is 0 or counts back beyond the first of the kind, and its line.
+    bad: tuple[int, int] | None = None
+
+    def defined_by(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """The lines that begin with these two letters and define one."""
+        end = second == ord(self.second_letter) if self.second_letter else second <= BLANK
+        return (first == _VERTEX) & end
+
+    def check(self, path: Path) -> None:
+        index, place = self.bad or self.largest
+        if self.bad or index > self.count:
+            raise InputError(
+                f"{path}: line {_line_number(path, place)}: a face names the {self.name} {index}, "
+                f"expected an index from 1 to {self.count}; the file is damaged"
+            )
+
+
+def obj_triangle_count(path: Path) -> int:
+    """Number of triangles that the faces make.
+
+    Raises InputError when a face names a vertex, texture coordinate or normal that is not there.
+    """
+    kinds = (_Kind("vertex", ""), _Kind("texture coordinate", "t"), _Kind("normal", "n"))
+    triangle_count = place = 0
+    for block in _blocks(path):
+        triangle_count += _read(path, block, place, kinds)
+        place += len(block)
+    vertex, texture, normal = kinds
+    vertex.check(path)
+    if texture.count > 0:
+        texture.check(path)
+    if normal.count == vertex.count:  # PyMeshLab takes no others
+        normal.check(path)
+    return triangle_count
+
+
+def _blocks(path: Path) -> Iterator[bytes]:
+    """Whole lines, each with those that continue it."""
+    with path.open("rb") as file:
+        while block := file.read(_BLOCK_BYTES) + file.readline():
+            while block.endswith((b"\\\n", b"\\\r\n")) and (more := file.readline()):
+                block += more
+            yield block
+
+
+def _line_number(path: Path, place: int) -> int:
+    with path.open("rb") as file:
+        return 1 + file.read(place).count(b"\n")
+
+
+def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int:
+    """Adds what a block, at this place of the file, defines and names; returns its triangles."""
+    if b"\\" in block:
+        if crlf := re.search(rb"\\\r?\n[^\n]*\r(\n|$)", block):
+            raise InputError(
+                f"{path}: line {_line_number(path, place + crlf.start())}: goes on in the next "
+                "one, which PyMeshLab can read with Unix line ends only; convert them"
+            )
+        block = re.sub(rb"\\\r?\n", lambda end: b" " * len(end[0]), block)
+    text = np.frombuffer(b"\n" + block.removesuffix(b"\n") + _END, dtype=np.uint8)
+    keywords = _keywords(text)
+    places = keywords + (place - 1)
+    first, second = text[keywords], text[keywords + 1]
+    defined = [kind.defined_by(first, second) for kind in kinds]
+    indented = places[defined[0] & (text[keywords - 1] != _NEWLINE)]
+    if len(indented):
+        raise InputError(
+            f"{path}: line {_line_number(path, indented[0])}: a vertex has blanks before its 'v', "
+            "which PyMeshLab can not read; remove them"
+        )
+    is_face = ((first == _FACE) | (first == _QUAD)) & (second <= BLANK)
+    lengths = np.diff(keywords, append=len(text))
+    faces = _Faces(text[keywords[0] :][np.repeat(is_face, lengths)], lengths[is_face])
+    for kind, lines, (owners, indices) in zip(kinds, defined, faces.indices(), strict=True):
+        counts = kind.count + np.cumsum(lines)
+        kind.count = int(counts[-1])
+        if len(indices) == 0:
+            continue
+        line_places = places[is_face][owners]
+        bad = (indices == 0) | (-indices > counts[is_face][owners])
+        if kind.bad is None and bad.any():
+            kind.bad = int(indices[bad][0]), int(line_places[bad][0])
+        last = indices.argmax()
+        kind.largest = max(kind.largest, (int(indices[last]), int(line_places[last])))
+    return faces.triangle_count()
+
+
+def _keywords(text: np.ndarray) -> np.ndarray:
+    """Where the first words of the lines begin."""
+    starts = np.flatnonzero(text == _NEWLINE) + 1
+    starts = starts[starts < len(text)]
+    if (text[starts] <= BLANK).any():
+        ink = np.flatnonzero(text > BLANK)
+        starts = np.unique(ink[np.searchsorted(ink, starts)])
+    return starts
+
+
+class _Faces:
+    """Lines of faces, one after the other."""
+
+    def __init__(self, text: np.ndarray, lengths: np.ndarray):
+        self.text = np.concatenate((text, np.zeros(len(PADDING), dtype=np.uint8)))
+        starts = np.cumsum(lengths) - lengths
+        self.is_quad = self.text[starts] == _QUAD
+        begins = word_begins(self.text)
+        begins[starts] = False
+        self.corners = np.flatnonzero(begins)
+        self.corner_counts = np.add.reduceat(begins, starts, dtype=np.int64)
+        self.owners = np.repeat(np.arange(len(starts)), self.corner_counts)
+
+    def triangle_count(self) -> int:
+        return int(np.maximum(self.corner_counts - 2, 1).sum())
+
+    def indices(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Of vertices, texture coordinates and normals: the line of each index, and the index."""
+        # A line that begins with q counts from 0.
+        yield self.owners, whole_numbers(self.text, self.corners) + self.is_quad[self.owners]
+        slashes = np.flatnonzero(self.text == _SLASH)
+        corner = np.searchsorted(self.corners, slashes) - 1
+        is_second = np.diff(corner, prepend=-1) == 0
+        after = self.text[slashes + 1]
+        is_texture = ~is_second & (after > BLANK) & (after != _SLASH)
+        for chosen in (is_texture, is_second):
+            yield self.owners[corner[chosen]], whole_numbers(self.text, slashes[chosen] + 1)
