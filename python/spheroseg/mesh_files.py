@@ -41,6 +41,11 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
             f"{path}: there is not enough memory to read it; close other programs, or use a "
             "machine with more memory"
         ) from None
+    if mesh_set.mesh_number() > 1:
+        raise InputError(
+            f"{path}: holds {mesh_set.mesh_number()} meshes, expected one; save each in a file of "
+            "its own, or merge them (in MeshLab: Flatten Visible Layers)"
+        )
     face_count = mesh_set.current_mesh().face_number()
     if expected is not None and expected > face_count:
         raise InputError(

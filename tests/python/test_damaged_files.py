@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that are cut short, empty, damaged or lie in their header: one clear line, exit code 2."""
 
+import base64
 import json
 import os
 import random
@@ -293,6 +294,37 @@ def test_a_text_stl_of_several_solids_is_read_whole(tmp_path, whole):
     path = tmp_path / "mesh.stl"
     path.write_bytes(b"\n".join([*solids[0], *solids[1], b"ENDSOLID b", b"", b""]))
     assert mesh_files.read_mesh(path).current_mesh().face_number() == 12
+
+
+def gltf_bytes(mesh_count, primitive_count):
+    """A glTF file of single triangles."""
+    data = np.eye(3, dtype="<f4").tobytes()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    mesh = {"primitives": [{"attributes": {"POSITION": 0}}] * primitive_count}
+    position = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(mesh_count))}],
+        "nodes": [{"mesh": i} for i in range(mesh_count)],
+        "meshes": [mesh] * mesh_count,
+        "accessors": [{**position, "min": [0, 0, 0], "max": [1, 1, 1]}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+        "buffers": [{"byteLength": len(data), "uri": uri}],
+    }
+    return json.dumps(document).encode()
+
+
+def test_a_file_of_several_meshes_is_refused(outcome):
+    result = outcome("gltf", gltf_bytes(3, 1))
+    assert_refused(result)
+    assert "holds 3 meshes, expected one" in result[1]
+
+
+def test_one_gltf_mesh_of_several_parts_is_read_whole(tmp_path):
+    path = tmp_path / "mesh.gltf"
+    path.write_bytes(gltf_bytes(1, 4))
+    assert mesh_files.read_mesh(path).current_mesh().face_number() == 4
 
 
 def test_a_ply_list_that_pymeshlab_can_not_skip_is_refused(outcome, whole):
