@@ -86,7 +86,7 @@ def segment(
     submesh_count: k, from the number of components to F; by default 200, or fewer for meshes under
     2,000 faces.
     face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
-    takes the areas. initial_labels: (F,) whole numbers, 0 or more: repaired, balanced and refined
+    takes the areas. initial_labels: (F,) whole numbers in [0, 2^24): repaired, balanced and refined
     instead of a new start; k is then the number of different ones.
     options: triangles_per_submesh (k = ceil(F / value) instead), balance, method, effort, device,
     seed, thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds;
@@ -127,8 +127,8 @@ def parametrize(vertices: ArrayLike, faces: ArrayLike) -> Parametrization:
 def measure(vertices: ArrayLike, faces: ArrayLike, labels: ArrayLike) -> dict[str, Any]:
     """Measures a labelling, whoever made it.
 
-    vertices, faces: as for `segment`, but any surface will do. labels: (F,) whole numbers, 0 or
-    more. Returns the measures by name. Raises InputError when an array can not be used.
+    vertices, faces: as for `segment`, but any surface will do. labels: (F,) whole numbers in
+    [0, 2^24). Returns the measures by name. Raises InputError when an array can not be used.
     """
     vertices = as_vertices(vertices)
     faces = as_faces(faces, len(vertices))

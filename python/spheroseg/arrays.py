@@ -6,6 +6,9 @@ from numpy.typing import ArrayLike
 
 from spheroseg.errors import InputError
 
+#: Of labels: MeshLab keeps them in the face quality, which may be of 32 bits.
+LABEL_LIMIT = 2**24
+
 
 def as_vertices(vertices: ArrayLike) -> np.ndarray:
     """A (V, 3) array of finite float64, C-contiguous."""
@@ -35,15 +38,15 @@ def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:
 
 
 def as_labels(labels: ArrayLike, face_count: int, submesh_count: int | None = None) -> np.ndarray:
-    """A (face_count,) array of int32 in [0, submesh_count), or not negative where that is None."""
+    """A (face_count,) array of int32 in [0, submesh_count), by default in [0, LABEL_LIMIT)."""
     array = _whole("labels", _numeric("labels", labels, (), "(F,)"))
     if len(array) != face_count:
         raise InputError(f"labels must have one entry per face: {face_count}, got {len(array)}")
-    limit, shown = (2**31, "2^31") if submesh_count is None else (submesh_count, submesh_count)
+    limit = LABEL_LIMIT if submesh_count is None else submesh_count
     bad = np.flatnonzero((array < 0) | (array >= limit))
     if len(bad):
         raise InputError(
-            f"labels must be whole numbers in [0, {shown}); face {bad[0]} has {array[bad[0]]}"
+            f"labels must be whole numbers in [0, {limit}); face {bad[0]} has {array[bad[0]]}"
         )
     return array.astype(np.int32)
 

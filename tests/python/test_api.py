@@ -277,6 +277,7 @@ def test_a_bad_option_is_refused_with_its_value(cube, options, message):
         (np.zeros((12, 1)), r"shape \(F,\), got \(12, 1\)"),
         (np.full(12, 0.5), r"\(0,\) is 0.5"),
         ([0] * 11 + [-4], "face 11 has -4"),
+        ([0] * 11 + [2**24], r"in \[0, 16777216\); face 11 has 16777216"),
         ([0] * 11 + [2**31], "face 11 has 2147483648"),
         (["a"] * 12, "labels must be numbers"),
     ],
@@ -284,6 +285,14 @@ def test_a_bad_option_is_refused_with_its_value(cube, options, message):
 def test_bad_labels_are_refused_with_the_reason(cube, labels, message):
     with pytest.raises(spheroseg.InputError, match=message):
         spheroseg.measure(*cube, labels)
+    with pytest.raises(spheroseg.InputError, match=message):
+        spheroseg.segment(*cube, initial_labels=labels)
+
+
+def test_the_largest_label_is_taken(cube):
+    labels = [0] * 11 + [2**24 - 1]
+    assert spheroseg.measure(*cube, labels)["max_triangle_count_difference"] == 11
+    assert spheroseg.segment(*cube, initial_labels=labels).labels.max() == 1
 
 
 def test_meshes_can_be_loaded_after_a_refused_call():
