@@ -13,6 +13,8 @@ from spheroseg.errors import InputError
 
 # The largest 16-bit value restarts primitives on some devices, so no vertex may have it as index.
 MAX_SHORT_VERTICES = 65535
+# More than there are triangles are taken up to here: what is written grows with the empty ones.
+_MOST_SUBMESHES = 65536
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,8 @@ def split_into_submeshes(
 ) -> SubMeshes:
     """Blocks for `labels` (one per face, in [0, k)); k is the largest label + 1 unless given.
 
-    O(F log F). Raises InputError when the shapes differ or a label is out of range.
+    O(F log F + k). Raises InputError when the shapes differ or a label is out of range, or so large
+    that nearly all sub-meshes would be empty.
     """
     faces = np.asarray(faces)
     if len(faces) == 0:
@@ -72,6 +75,12 @@ def split_into_submeshes(
     labels = as_labels(labels, len(faces), submesh_count)
     if submesh_count is None:
         submesh_count = int(labels.max()) + 1
+        if submesh_count > max(len(faces), _MOST_SUBMESHES):
+            raise InputError(
+                f"face {labels.argmax()} has the label {labels.max()}, which means "
+                f"{submesh_count:,} sub-meshes of {len(faces):,} triangles; number the labels from "
+                "0 on, as numpy.unique(labels, return_inverse=True)[1] does"
+            )
     source_triangles = np.argsort(labels, kind="stable").astype(np.int32)
     triangle_starts = _starts(labels, submesh_count)
     vertex_count = len(vertices)

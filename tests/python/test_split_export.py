@@ -21,6 +21,7 @@ from surfaces import SURFACES
 from spheroseg import atomic
 from spheroseg.batch import inputs
 from spheroseg.cli import main
+from spheroseg.errors import InputError
 from spheroseg.export import export, glb_bytes, vertex_normals
 from spheroseg.palette import colour_indices, palette
 from spheroseg.ply import colour_properties, ply_bytes
@@ -119,6 +120,12 @@ def test_indices_are_short_where_they_fit(vertex_count):
 def test_wrong_labels_are_named(labels, message):
     with pytest.raises(ValueError, match=message):
         split_into_submeshes(*octahedron(), labels)
+
+
+def test_labels_that_would_make_millions_of_empty_submeshes_are_refused():
+    assert split_into_submeshes(*octahedron(), [0] * 7 + [65535]).count == 65536
+    with pytest.raises(InputError, match=r"face 6 has the label 65536.* 65,537 sub-meshes of 8"):
+        split_into_submeshes(*octahedron(), [0] * 6 + [65536, 7])
 
 
 def test_label_beyond_the_given_count_is_named():
