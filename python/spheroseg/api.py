@@ -210,7 +210,7 @@ def segment_parameters(options: dict[str, Any]) -> dict[str, Any]:
 
 def _checked_option(name: str, value: Any, kind: type | tuple[str, ...]) -> Any:
     if isinstance(kind, tuple):
-        if value not in kind:
+        if not isinstance(value, str) or value not in kind:
             raise InputError(f"{name} must be one of {', '.join(kind)}, got {value!r}")
         return value
     if kind is str:

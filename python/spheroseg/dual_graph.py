@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spheroseg.errors import InputError
+
 
 @dataclass(frozen=True)
 class DualGraph:
@@ -57,10 +59,10 @@ def lowest_connected(count: int, left: np.ndarray, right: np.ndarray) -> np.ndar
 
 
 def build_dual_graph(faces: np.ndarray) -> DualGraph:
-    """Dual graph in O(F log F). Raises ValueError when an edge has more than two triangles."""
+    """Dual graph in O(F log F). Raises InputError when an edge has more than two triangles."""
     faces = np.asarray(faces)
     if faces.ndim != 2 or faces.shape[1] != 3:
-        raise ValueError(f"faces must have shape (F, 3), but the shape is {faces.shape}")
+        raise InputError(f"faces must have shape (F, 3), but the shape is {faces.shape}")
     face_count = len(faces)
     corners = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2).reshape(-1, 2)
     key = corners.min(axis=1).astype(np.int64) << 32 | corners.max(axis=1)
@@ -69,7 +71,7 @@ def build_dual_graph(faces: np.ndarray) -> DualGraph:
     same = sorted_key[1:] == sorted_key[:-1]
     if np.any(same[1:] & same[:-1]):
         first, second = corners[order[:-2][same[1:] & same[:-1]][0]]
-        raise ValueError(
+        raise InputError(
             f"the edge between vertices {first} and {second} has more than two triangles; "
             "repair the mesh first"
         )

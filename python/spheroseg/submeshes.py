@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from spheroseg.arrays import as_labels
+from spheroseg.arrays import as_faces, as_labels, as_vertices
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 
@@ -66,12 +66,11 @@ def split_into_submeshes(
 ) -> SubMeshes:
     """Blocks for `labels` (one per face, in [0, k)); k is the largest label + 1 unless given.
 
-    O(F log F + k). Raises InputError when the shapes differ or a label is out of range, or so large
-    that nearly all sub-meshes would be empty.
+    O(F log F + k). Raises InputError when an array can not be used, an edge has more than two
+    faces, or a label is so large that nearly all sub-meshes would be empty.
     """
-    faces = np.asarray(faces)
-    if len(faces) == 0:
-        raise InputError("the mesh has no triangles")
+    vertices = as_vertices(vertices)
+    faces = as_faces(faces, len(vertices))
     labels = as_labels(labels, len(faces), submesh_count)
     if submesh_count is None:
         submesh_count = int(labels.max()) + 1
@@ -94,7 +93,7 @@ def split_into_submeshes(
     return SubMeshes(
         vertex_starts=vertex_starts,
         source_vertices=source_vertices.astype(np.int32),
-        positions=np.asarray(vertices)[source_vertices].astype(np.float32),
+        positions=vertices[source_vertices].astype(np.float32),
         on_boundary=np.bincount(source_vertices, minlength=vertex_count)[source_vertices] > 1,
         triangle_starts=triangle_starts,
         source_triangles=source_triangles,

@@ -243,6 +243,8 @@ def test_a_bad_mesh_is_refused_with_the_reason_and_the_next_call_works(cube, cas
 
 
 BAD_OPTIONS = [
+    ({"method": np.array(["fast", "fast"])}, r"method must be one of fast, all_pairs, got array"),
+    ({"effort": ["high"]}, r"effort must be one of .*, got \['high'\]"),
     ({"submesh_count": 0}, r"submesh_count.*0"),
     ({"submesh_count": -3}, r"submesh_count.*-3"),
     ({"submesh_count": 13}, r"submesh_count.*13"),

@@ -128,6 +128,21 @@ def test_labels_that_would_make_millions_of_empty_submeshes_are_refused():
         split_into_submeshes(*octahedron(), [0] * 6 + [65536, 7])
 
 
+@pytest.mark.parametrize(
+    ("faces", "message"),
+    [
+        ([[0, 1, 2], [0, 1, 3], [1, 0, 4]], "between vertices 0 and 1 has more than two triangles"),
+        ([[0, 1, 2], [0, 2, 6]], "face 1 names vertex 6"),
+        ([[0, 1, -1]], "face 0 names vertex -1"),
+        (np.zeros((0, 3), int), "at least one triangle"),
+        ([[0, 1, 2, 3]], r"must have the shape \(F, 3\)"),
+    ],
+)
+def test_wrong_faces_are_named(faces, message):
+    with pytest.raises(InputError, match=message):
+        split_into_submeshes(octahedron()[0], faces, np.zeros(len(faces), int))
+
+
 def test_label_beyond_the_given_count_is_named():
     with pytest.raises(ValueError, match=r"in \[0, 2\); face 7 has 2"):
         split_into_submeshes(*octahedron(), [0] * 7 + [2], submesh_count=2)

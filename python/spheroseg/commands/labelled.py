@@ -48,7 +48,7 @@ def read(arguments) -> LabelledMesh:
     vertices = mesh.vertex_matrix()
     try:
         submeshes = split_into_submeshes(vertices, mesh.face_matrix(), labels)
-    except ValueError as error:
+    except InputError as error:
         raise InputError(f"{arguments.mesh}: {error}") from None
     return LabelledMesh(vertices, submeshes, mesh_files.face_colours(mesh))
 

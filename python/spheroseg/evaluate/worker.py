@@ -50,10 +50,7 @@ def evaluate_mesh(job: dict) -> list[dict]:
     mesh_set = mesh_files.read_mesh(job["mesh"])
     vertices = mesh_set.current_mesh().vertex_matrix()
     faces = np.ascontiguousarray(mesh_set.current_mesh().face_matrix(), dtype=np.int32)
-    try:
-        graph = build_dual_graph(faces)
-    except ValueError as error:
-        raise InputError(str(error)) from None
+    graph = build_dual_graph(faces)
     arrays_path = Path(job["folder"]) / f"{job['name']}.npz"
     arrays_path.parent.mkdir(parents=True, exist_ok=True)
     with atomic.atomic_path(arrays_path, ".npz") as temporary:
