@@ -17,7 +17,8 @@ struct ParametrizationQuality {
     /// Least area of a flat triangle on the sphere; the whole sphere has 4 pi.
     double min_triangle_area = 0.0;
     /// Area of a triangle on the sphere over 4 pi, over its area on the mesh over the mesh's:
-    /// mean (area-weighted on the mesh) and largest of max(ratio, 1 / ratio).
+    /// mean (area-weighted on the mesh) and largest of max(ratio, 1 / ratio); 0 for a mesh that
+    /// has no area.
     double area_distortion_mean = 0.0;
     double area_distortion_max = 0.0;
     /// Mean over triangles of (sum of squared edge lengths) / (4 sqrt(3) area) on the sphere;

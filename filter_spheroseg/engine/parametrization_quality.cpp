@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "errors.h"
+#include "face_weights.h"
 #include "orientation.h"
 #include "parametrization.h"
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <string>
 
 namespace spheroseg {
@@ -43,12 +45,11 @@ ParametrizationQuality measure_parametrization(const TriangleMesh& mesh,
     if (face_count == 0) {
         return quality;
     }
-    double mesh_area = 0.0;
-    for (const Triangle& t : mesh.faces) {
-        mesh_area += flat_area(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
-    }
+    const std::vector<double> areas = face_areas(mesh);
+    const double mesh_area = std::accumulate(areas.begin(), areas.end(), 0.0);
     quality.min_triangle_area = std::numeric_limits<double>::infinity();
-    for (const Triangle& t : mesh.faces) {
+    for (int f = 0; f < face_count; ++f) {
+        const Triangle& t = mesh.faces[f];
         const Vec3& a = sphere_positions[t[0]];
         const Vec3& b = sphere_positions[t[1]];
         const Vec3& c = sphere_positions[t[2]];
@@ -56,8 +57,7 @@ ParametrizationQuality measure_parametrization(const TriangleMesh& mesh,
         const double area = flat_area(a, b, c);
         quality.min_triangle_area = std::min(quality.min_triangle_area, area);
         quality.anisotropy_mean += squared_edges(a, b, c) / (4.0 * std::sqrt(3.0) * area);
-        const double share =
-            flat_area(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) / mesh_area;
+        const double share = areas[f] / mesh_area;
         if (share > 0.0) {
             const double ratio = std::abs(spherical_area(a, b, c)) / kSphereArea / share;
             const double distortion = std::max(ratio, 1.0 / ratio);

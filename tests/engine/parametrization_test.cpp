@@ -180,6 +180,20 @@ TEST(ParametrizationQuality, AreaDistortionComparesSharesOfTheArea) {
                 1e-12);
 }
 
+TEST(ParametrizationQuality, AreaDistortionDoesNotDependOnTheUnit) {
+    TriangleMesh mesh = test::tetrahedron();
+    const std::vector<Vec3> sphere = mesh.positions;
+    const auto distortion = [&](double scale) {
+        for (std::size_t v = 0; v < sphere.size(); ++v) {
+            mesh.positions[v] = sphere[v] * scale;
+        }
+        return measure_parametrization(mesh, sphere).area_distortion_mean;
+    };
+    EXPECT_NEAR(distortion(1e200) / distortion(1.0), 1.0, 1e-12);
+    EXPECT_NEAR(distortion(1e-200) / distortion(1.0), 1.0, 1e-12);
+    EXPECT_EQ(distortion(0.0), 0.0);
+}
+
 TEST(IsValidParametrization, RejectsWrongSizesNaNOtherRadiiFlipsAndDoubleCovers) {
     const TriangleMesh mesh = test::octahedron();
     EXPECT_TRUE(is_valid_parametrization(mesh, mesh.positions));

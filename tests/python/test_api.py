@@ -387,6 +387,15 @@ def test_a_fork_waits_for_the_filter_of_another_thread(cube, sample_arrays):
         other.result()
 
 
+def test_area_distortion_does_not_depend_on_the_unit(cube):
+    vertices, faces = cube
+    expected = spheroseg.parametrize(vertices, faces).measures["area_distortion_max"]
+    for scale in (1e200, 1e-200):
+        measures = spheroseg.parametrize(vertices * scale, faces).measures
+        assert measures["area_distortion_max"] == pytest.approx(expected)
+    assert spheroseg.parametrize(vertices * 0, faces).measures["area_distortion_max"] == 0
+
+
 def test_no_faces_are_an_input_error():
     nothing = np.zeros((0, 3)), np.zeros((0, 3), int)
     for call in (
