@@ -434,7 +434,7 @@ def test_missing_package_is_said_before_the_first_mesh(
 def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypatch):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
     dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: dead)
+    monkeypatch.setattr(jobs, "_run_worker", lambda _: dead)
     record = jobs.run_job(job)
     assert record["status"] == "failed"
     assert "signal 11" in record["error"]

@@ -7,11 +7,14 @@ import pty
 import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
 from shapes import bumpy_sphere
 
+from spheroseg.batch import jobs
 from spheroseg.ply import ply_bytes
 
 PATHS = [REPOSITORY / folder for folder in ("python", "tests/plugin", "tests/python")]
@@ -175,3 +178,64 @@ def read_terminal(controller):
         return os.read(controller, 65536)
     except OSError:  # Linux says so that nobody has it open any more
         return b""
+
+
+@pytest.mark.parametrize("send", [os.kill, os.killpg])
+def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
+    (tmp_path / "a.ply").write_bytes(ply_bytes(*bumpy_sphere(1, 0)))
+    (tmp_path / "b.ply").write_bytes(ply_bytes(*bumpy_sphere(7, 0)))
+    output = tmp_path / "out"
+    call = [sys.executable, "-m", "spheroseg", "batch", "a.ply", "b.ply", "-o", str(output)]
+    call += ["-k", "20", "--effort", "high", "--workers", "1"]
+    process = subprocess.Popen(
+        call,
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+        start_new_session=True,
+    )
+    wait_until(lambda: children(process.pid))
+    first = children(process.pid)
+    wait_until(lambda: has_plugin(children(process.pid) - first))
+    send(process.pid, signal.SIGINT)
+    said, complained = process.communicate()
+    assert (process.returncode, said) == (130, "")
+    assert complained == "spheroseg batch: interrupted\n"
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
+    found = {path.name for path in output.iterdir()}
+    assert found == {jobs.RECORD_FOLDER, "a.ply"}
+
+    kept = (output / "a.ply").stat().st_mtime_ns
+    done = subprocess.run(
+        [*call, "--resume"], cwd=tmp_path, capture_output=True, text=True, env=ENVIRONMENT
+    )
+    assert "2 of 2 meshes done" in done.stdout
+    assert (output / "a.ply").stat().st_mtime_ns == kept
+
+
+def children(process_id):
+    found = Path(f"/proc/{process_id}/task").glob("*/children")
+    return {int(child) for path in found for child in read_or_nothing(path).split()}
+
+
+def has_plugin(process_ids):
+    maps = [Path(f"/proc/{process_id}/maps") for process_id in process_ids]
+    return any("libfilter_spheroseg" in read_or_nothing(path) for path in maps)
+
+
+def read_or_nothing(path):
+    """Of a process that may have ended."""
+    try:
+        return path.read_text()
+    except OSError:
+        return ""
+
+
+def wait_until(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)

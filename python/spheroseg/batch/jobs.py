@@ -18,6 +18,9 @@ from spheroseg import atomic
 
 RECORD_FOLDER = ".records"
 DISK_FULL_EXIT = 4
+INTERRUPTED_EXIT = 130
+
+_running: set[subprocess.Popen] = set()
 
 
 @dataclass(frozen=True)
@@ -75,8 +78,9 @@ def run_job(job: Job) -> dict[str, Any]:
     """
     try:
         job.record_path().unlink(missing_ok=True)
-        process = _run_process(job)
-        if process.returncode == 0:
+        process = _run_worker(json.dumps(asdict(job)))
+        # A signal may end a process that is done.
+        if job.record_path().exists():
             return json.loads(job.record_path().read_text())
         if process.returncode == DISK_FULL_EXIT:
             return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
@@ -89,15 +93,27 @@ def run_job(job: Job) -> dict[str, Any]:
         return failed_record(job, str(error))
 
 
-def _run_process(job: Job) -> subprocess.CompletedProcess:
-    return subprocess.run(
+def _run_worker(job: str) -> subprocess.CompletedProcess:
+    with subprocess.Popen(
         [sys.executable, "-m", "spheroseg.batch.worker", str(os.getpid())],
-        input=json.dumps(asdict(job)),
-        capture_output=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        check=False,
         env=package_environment(),
-    )
+    ) as process:
+        _running.add(process)
+        try:
+            said, complained = process.communicate(job)
+        finally:
+            _running.discard(process)
+    return subprocess.CompletedProcess(process.args, process.returncode, said, complained)
+
+
+def signal_running(number: int) -> None:
+    """Sends a signal to the process of each job that this process runs."""
+    for process in list(_running):
+        process.send_signal(number)
 
 
 def package_environment() -> dict[str, str]:

@@ -5,6 +5,8 @@ import csv
 import io
 import logging
 import shlex
+import signal
+import time
 from collections.abc import Callable, Iterator
 from concurrent import futures
 from dataclasses import asdict
@@ -12,12 +14,20 @@ from pathlib import Path
 from typing import Any
 
 from spheroseg import atomic
-from spheroseg.batch.jobs import RECORD_FOLDER, Job, failed_record, finished_record, run_job
+from spheroseg.batch.jobs import (
+    RECORD_FOLDER,
+    Job,
+    failed_record,
+    finished_record,
+    run_job,
+    signal_running,
+)
 from spheroseg.errors import InputError
 
 MANIFEST_STEM = "manifest"
 MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
+_GRACE_SECONDS = 2
 
 # Measures of the manifest: all single values that are the same on every run.
 _MEASURES = (
@@ -101,7 +111,8 @@ def run_all(
     """Does the jobs that have no valid record yet; returns all records in the order of `jobs`.
 
     `on_record` gets each record as it comes. Raises DiskFullError when a job finds the disk full;
-    jobs that have not begun are left undone then, for a later run with `resume`.
+    jobs that have not begun are left undone then, for a later run with `resume`. After a
+    KeyboardInterrupt those that run here are ended, too.
     """
     records: dict[str, Record] = {}
     waiting = []
@@ -113,23 +124,42 @@ def run_all(
             records[job.name] = record
             on_record(record)
     source = _on_dask(waiting, scheduler) if scheduler else _on_this_machine(waiting, worker_count)
-    for record in source:
-        if record["status"] == "disk_full":
-            source.close()
-            raise atomic.DiskFullError(28, record["error"])
-        records[record["name"]] = record
-        on_record(record)
+    try:
+        for record in source:
+            if record["status"] == "disk_full":
+                source.close()
+                raise atomic.DiskFullError(28, record["error"])
+            records[record["name"]] = record
+            on_record(record)
+    except KeyboardInterrupt as interrupt:
+        source.throw(interrupt)
     return [records[job.name] for job in jobs]
 
 
 def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
     # Threads only wait here; each job is a process.
     with futures.ThreadPoolExecutor(worker_count) as pool:
+        submitted = []
         try:
-            for future in futures.as_completed([pool.submit(run_job, job) for job in jobs]):
+            for job in jobs:
+                submitted.append(pool.submit(run_job, job))
+            for future in futures.as_completed(submitted):
                 yield future.result()
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            _end_running(submitted)
+            raise
         finally:
             pool.shutdown(cancel_futures=True)
+
+
+def _end_running(submitted: list[futures.Future]) -> None:
+    """Ends what runs, and what was just about to begin, and waits for it."""
+    began = time.monotonic()
+    while not all(future.done() for future in submitted):
+        patient = time.monotonic() - began < _GRACE_SECONDS
+        signal_running(signal.SIGINT if patient else signal.SIGKILL)
+        time.sleep(0.05)
 
 
 def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:

@@ -3,7 +3,8 @@
 
 Its argument is the id of the process that started it, with which it ends.
 
-Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full.
+Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full, 130
+interrupted.
 """
 
 import ctypes
@@ -17,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from spheroseg import api, atomic, mesh_files
-from spheroseg.batch.jobs import DISK_FULL_EXIT, Job, sha256, store
+from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, store
 from spheroseg.commands.shared import plain
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
@@ -29,6 +30,7 @@ _PR_SET_PDEATHSIG = 1
 
 def main() -> int:
     _end_with(int(sys.argv[1]))
+    _be_interrupted_once()
     job = Job(**json.load(sys.stdin))
     try:
         store(job, _record(job))
@@ -39,6 +41,9 @@ def main() -> int:
         message = " ".join(str(error).split()) or type(error).__name__
         print(message.removeprefix(f"{job.mesh}: "), file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED_EXIT
     return 0
 
 
@@ -87,6 +92,18 @@ def _end_with(parent: int) -> None:
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:
             sys.exit(1)
+
+
+def _be_interrupted_once() -> None:
+    """Of a Ctrl-C in a terminal both this process and its parent hear, and the parent passes it on:
+    the second one must not disturb what the first one has to clean up."""
+
+    def interrupt(*_):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupt)
 
 
 if __name__ == "__main__":
