@@ -6,12 +6,14 @@ to the process's stderr. For the time of a filter that stream is read here and d
 """
 
 import contextlib
+import ctypes
 import io
 import os
 import re
 import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pymeshlab
 from rich.console import Console
@@ -24,8 +26,9 @@ _REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
 def filter_progress(mesh_set: pymeshlab.MeshSet, title: str) -> Iterator[None]:
     """Draws the progress of the filters that run inside the `with` block.
 
-    Does nothing when stderr is no terminal. Takes over the file descriptor of stderr meanwhile:
-    for programs that own their process, not for libraries.
+    Does nothing when stderr is no terminal. Takes over the file descriptors of stdout, where the
+    verbose mode prints the parameters, and of stderr meanwhile: for programs that own their
+    process, not for libraries.
     """
     if not sys.stderr.isatty():
         yield
@@ -43,13 +46,28 @@ def filter_progress(mesh_set: pymeshlab.MeshSet, title: str) -> Iterator[None]:
             follower = threading.Thread(target=_follow, args=(reports, progress, task, title))
             follower.start()
             try:
-                # What PyMeshLab's verbose mode prints about parameters is of no use here.
-                with contextlib.redirect_stdout(io.StringIO()):
+                with _no_output():
                     yield
             finally:
                 mesh_set.set_verbosity(False)
                 os.dup2(terminal, 2)  # closes the pipe's last writer, which ends the follower
                 follower.join()
+
+
+@contextlib.contextmanager
+def _no_output() -> Iterator[None]:
+    """Nothing that Python or a library prints inside the `with` block is seen."""
+    sys.stdout.flush()
+    output = os.dup(1)
+    with Path(os.devnull).open("w") as nothing:
+        os.dup2(nothing.fileno(), 1)
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            yield
+    finally:
+        ctypes.CDLL(None).fflush(None)  # C's buffers
+        os.dup2(output, 1)
+        os.close(output)
 
 
 def _follow(reports, progress: Progress, task, title: str) -> None:

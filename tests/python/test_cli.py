@@ -4,6 +4,7 @@
 import contextlib
 import json
 import os
+import pty
 import shutil
 import subprocess
 import sys
@@ -13,6 +14,7 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
+from terminal import read_terminal
 
 import spheroseg
 from spheroseg import cli, mesh_files
@@ -462,3 +464,19 @@ def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     code, *_ = run("segment", hole, "--method", "all_pairs", *names)
     assert code == 2
     assert not any(path.exists() for path in outputs)
+
+
+def test_progress_on_a_terminal_leaves_the_output_alone():
+    controller, terminal = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "spheroseg", "segment", LEAF, "-k", "20", "-q"],
+        stdout=subprocess.PIPE,
+        stderr=terminal,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), "TERM": "xterm"},
+    )
+    os.close(terminal)
+    shown = b"".join(iter(lambda: read_terminal(controller), b""))
+    os.close(controller)
+    assert process.communicate() == (b"", None)
+    assert process.returncode == 0
+    assert b"Segmenting: Done" in shown

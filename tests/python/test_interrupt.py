@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
 from shapes import bumpy_sphere
+from terminal import read_terminal
 
 from spheroseg.batch import jobs
 from spheroseg.ply import ply_bytes
@@ -171,13 +172,6 @@ def test_command_line_ends_with_one_line_and_writes_nothing(tmp_path):
     assert shown.endswith(b"spheroseg segment: interrupted\r\n")
     assert b"Traceback" not in shown
     assert [path.name for path in tmp_path.iterdir()] == ["mesh.ply"]
-
-
-def read_terminal(controller):
-    try:
-        return os.read(controller, 65536)
-    except OSError:  # Linux says so that nobody has it open any more
-        return b""
 
 
 @pytest.mark.parametrize("send", [os.kill, os.killpg])
