@@ -157,7 +157,8 @@ private:
         }
         if (deadline_.expired()) {
             return !any_valid_ ||
-                (was_cut_short_ && heaviest_load(patchwork) > kFarOff * mean_load(patchwork));
+                (by_weight() && was_cut_short_ &&
+                 heaviest_load(patchwork) > kFarOff * mean_load(patchwork));
         }
         return !any_valid_ || start + 1 < wanted_starts();
     }
