@@ -60,7 +60,10 @@ class Screen:
         read_end, write_end = os.pipe()
         geometry = f"{self.size[0]}x{self.size[1]}x24"
         self._server = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", geometry, "-nolisten", "tcp"],
+            # Without -noreset the server begins anew when its last client leaves, which throws out
+            # an openbox that comes in while xprop, asking for it, goes.
+            ["Xvfb", "-displayfd", str(write_end), "-screen", "0", geometry]
+            + ["-nolisten", "tcp", "-noreset"],
             pass_fds=[write_end],
             stderr=subprocess.DEVNULL,
         )
@@ -73,7 +76,11 @@ class Screen:
         self._manager = subprocess.Popen(
             ["openbox"], env=self._environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        wait_until(self._has_window_manager, "openbox to manage the screen")
+        try:
+            wait_until(self._has_window_manager, "openbox to manage the screen")
+        except TimeoutError:
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
