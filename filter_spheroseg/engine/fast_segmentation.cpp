@@ -346,8 +346,8 @@ private:
                                    std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
     }
 
-    /// About so many cells are to be on the first level; where holes keep the mesh from being
-    /// coarsened, there are more.
+    /// The least cells that the first level may have; more, still of the same level, where holes
+    /// keep the mesh from being coarsened.
     int first_face_count() const {
         const int least = coarse_face_count();
         return multilevel_ == nullptr
@@ -376,7 +376,7 @@ private:
         Trial best = best_of_trials(trials(),
                                     *multilevel_,
                                     submesh_count_,
-                                    coarse_face_count(),
+                                    first_face_count(),
                                     schedules_,
                                     seed_,
                                     limit(),

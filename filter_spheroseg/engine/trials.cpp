@@ -117,6 +117,16 @@ private:
                          candidates.end());
     }
 
+    static AnnealControl part_of(const AnnealControl& control, double begin, double end) {
+        AnnealControl part = control;
+        part.progress = sub_progress(control.progress, begin, end);
+        return part;
+    }
+
+    static auto parts_of(const AnnealControl& control) {
+        return [control](double begin, double end) { return part_of(control, begin, end); };
+    }
+
     void make(Trial& trial, int kind, std::uint64_t seed, const AnnealControl& control) const {
         const AnnealControl begun = part_of(control, 0.0, kBegun);
         trial.patchwork = multilevel_.coarsen(first_face_count_, submesh_count_);
@@ -132,23 +142,14 @@ private:
         if (kind == 1) {
             anneal_freely_up(trial.patchwork, seed, begun);
         }
-        const double begin = kind % 2 == 1 ? kBegun : 0.0;
         trial.forced_faces = repair(trial.patchwork);
-        trial.schedule = anneal_levels(
-            trial.patchwork,
-            multilevel_,
-            short_schedules_,
-            short_schedules_.first(seed),
-            kTrialFaces,
-            [&](double from, double to) {
-                return part_of(control, begin + (1.0 - begin) * from, begin + (1.0 - begin) * to);
-            });
-    }
-
-    static AnnealControl part_of(const AnnealControl& control, double begin, double end) {
-        AnnealControl part = control;
-        part.progress = sub_progress(control.progress, begin, end);
-        return part;
+        trial.schedule =
+            anneal_levels(trial.patchwork,
+                          multilevel_,
+                          short_schedules_,
+                          short_schedules_.first(seed),
+                          kTrialFaces,
+                          parts_of(kind % 2 == 1 ? part_of(control, kBegun, 1.0) : control));
     }
 
     void cut_again_and_again(Patchwork& patchwork,
@@ -200,13 +201,12 @@ private:
             return;
         }
         trial.history.record(control);
-        trial.schedule = anneal_further_levels(
-            trial.patchwork,
-            multilevel_,
-            schedules_,
-            trial.schedule,
-            kFinalFaces,
-            [&](double begin, double end) { return part_of(control, begin, end); });
+        trial.schedule = anneal_further_levels(trial.patchwork,
+                                               multilevel_,
+                                               schedules_,
+                                               trial.schedule,
+                                               kFinalFaces,
+                                               parts_of(control));
     }
 
     const Multilevel& multilevel_;
