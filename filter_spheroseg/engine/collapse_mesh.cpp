@@ -2,6 +2,8 @@
 #include "collapse_mesh.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace spheroseg {
 
@@ -31,17 +33,22 @@ bool has_closed_fan(const CollapseMesh& mesh, int v) {
     return false;
 }
 
-/// Closes the holes whose border passes each of its vertices once, in one direction.
+/// Closes holes. Where several fans meet at a vertex, each border goes on at the next fan, so that
+/// they and the caps between them become one closed fan.
 class Capper {
 public:
     explicit Capper(CollapseMesh& mesh) : mesh_(mesh) {}
 
     void run() {
         list_border();
-        for (std::size_t i = 0; i < sides_.size(); ++i) {
-            if (!is_done_[i] && find_loop(static_cast<int>(i))) {
-                cap();
-            }
+        if (sides_.empty()) {
+            return;
+        }
+        join_fans();
+        is_done_.assign(sides_.size(), 0);
+        place_of_.assign(mesh_.vertices.size(), -1);
+        for (int i = 0; i < static_cast<int>(sides_.size()); ++i) {
+            close_from(i);
         }
     }
 
@@ -64,57 +71,116 @@ private:
                 }
             }
         }
-        is_done_.assign(sides_.size(), 0);
-        if (sides_.empty()) {
-            return;
-        }
-        side_from_.assign(mesh_.vertices.size(), kNone);
-        ends_at_.assign(mesh_.vertices.size(), 0);
-        for (std::size_t i = 0; i < sides_.size(); ++i) {
-            int& side = side_from_[sides_[i].from];
-            side = side == kNone ? static_cast<int>(i) : kSeveral;
-            ++ends_at_[sides_[i].to];
+    }
+
+    int side_at(int face, int corner) const {
+        const auto side = std::lower_bound(
+            sides_.begin(), sides_.end(), std::make_pair(face, corner), [](const Side& s, auto at) {
+                return std::make_pair(s.face, s.corner) < at;
+            });
+        return static_cast<int>(side - sides_.begin());
+    }
+
+    /// The side at which the fan of a vertex ends that begins with this side; -1 where faces of the
+    /// fan are oriented differently.
+    int end_of_fan(const Side& begin) const {
+        int f = begin.face;
+        int corner = begin.corner;
+        for (;;) {
+            const int across = (corner + 2) % 3;
+            const int g = mesh_.faces[f].neighbors[across];
+            if (g < 0) {
+                return side_at(f, across);
+            }
+            corner = mesh_.corner_of(g, begin.from);
+            if (mesh_.faces[g].vertices[(corner + 1) % 3] != mesh_.faces[f].vertices[across]) {
+                return -1;
+            }
+            f = g;
         }
     }
 
-    /// The sides of a hole, one after the other; false if the border is ambiguous somewhere.
-    bool find_loop(int first) {
-        loop_.clear();
-        bool is_simple = true;
-        for (int i = first; i >= 0 && !is_done_[i]; i = side_from_[sides_[i].to]) {
-            is_done_[i] = 1;
-            loop_.push_back(i);
-            is_simple = is_simple && ends_at_[sides_[i].to] == 1;
+    void join_fans() {
+        next_.assign(sides_.size(), -1);
+        std::vector<int> order(sides_.size());
+        std::iota(order.begin(), order.end(), 0);
+        const auto begin_of = [&](int i) { return sides_[i].from; };
+        std::stable_sort(
+            order.begin(), order.end(), [&](int i, int j) { return begin_of(i) < begin_of(j); });
+        for (auto first = order.begin(); first != order.end();) {
+            const auto end = std::find_if(
+                first, order.end(), [&](int i) { return begin_of(i) != begin_of(*first); });
+            for (auto i = first; i != end; ++i) {
+                const int last = end_of_fan(sides_[*i]);
+                if (last >= 0) {
+                    next_[last] = i + 1 == end ? *first : *(i + 1);
+                }
+            }
+            first = end;
         }
-        return is_simple && loop_.size() > 2 && side_from_[sides_[loop_.back()].to] == first;
+    }
+
+    /// Follows the border from this side on, and closes it where it meets itself.
+    void close_from(int first) {
+        for (int i = first; i >= 0 && !is_done_[i]; i = next_[i]) {
+            is_done_[i] = 1;
+            place_of_[sides_[i].from] = static_cast<int>(path_.size());
+            path_.push_back(i);
+            const int place = place_of_[sides_[i].to];
+            if (place >= 0) {
+                loop_.assign(path_.begin() + place, path_.end());
+                drop_path(place);
+                cap();
+            }
+        }
+        drop_path(0);
+    }
+
+    void drop_path(int length) {
+        for (; static_cast<int>(path_.size()) > length; path_.pop_back()) {
+            place_of_[sides_[path_.back()].from] = -1;
+        }
     }
 
     void cap() {
         const auto count = static_cast<int>(loop_.size());
         const auto first = static_cast<int>(mesh_.faces.size());
-        const auto center = static_cast<int>(mesh_.vertices.size());
-        mesh_.vertices.push_back({first, count, 0, -1});
+        if (count < 3) {
+            return;
+        }
+        const bool is_triangle = count == 3;
+        if (is_triangle) {
+            const Side& a = sides_[loop_[0]];
+            const Side& b = sides_[loop_[1]];
+            const Side& c = sides_[loop_[2]];
+            mesh_.faces.push_back({{a.to, a.from, c.from}, {a.face, c.face, b.face}, 0, -1});
+        } else {
+            const auto center = static_cast<int>(mesh_.vertices.size());
+            mesh_.vertices.push_back({first, count, 0, -1});
+            for (int i = 0; i < count; ++i) {
+                const Side& side = sides_[loop_[i]];
+                mesh_.faces.push_back(
+                    {{side.to, side.from, center},
+                     {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
+                     0,
+                     -1});
+            }
+        }
         for (int i = 0; i < count; ++i) {
             const Side& side = sides_[loop_[i]];
-            mesh_.faces[side.face].neighbors[side.corner] = first + i;
-            mesh_.faces.push_back(
-                {{side.to, side.from, center},
-                 {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
-                 0,
-                 -1});
-            mesh_.vertices[side.from].degree += 2;
+            mesh_.faces[side.face].neighbors[side.corner] = is_triangle ? first : first + i;
+            mesh_.vertices[side.from].degree += is_triangle ? 1 : 2;
         }
     }
 
-    static constexpr int kNone = -1;
-    static constexpr int kSeveral = -2;
-
     CollapseMesh& mesh_;
     std::vector<Side> sides_;
+    /// How the border goes on after each side; -1: unclear.
+    std::vector<int> next_;
     std::vector<char> is_done_;
-    /// Of each vertex the side that begins there, or one of the above, and how many end there.
-    std::vector<int> side_from_;
-    std::vector<int> ends_at_;
+    std::vector<int> path_;
+    /// Of each vertex, the place of the side of the path that begins there.
+    std::vector<int> place_of_;
     std::vector<int> loop_;
 };
 
@@ -135,16 +201,19 @@ bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int deg
 }
 
 /// Position in the ring of the allowed target of least degree, then least weight; or -1. A vertex
-/// on a border goes along the border only, and leaves a face behind.
-int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
-    const auto is_cap = [&](int r) { return r >= mesh.first_cap_vertex; };
-    const bool on_border = std::any_of(ring, ring + degree, is_cap);
-    if (on_border && degree < 4) {
-        return -1;
-    }
+/// on a border goes along a border only, and faces of the mesh take the place of those that vanish.
+int choose_target(
+    const CollapseMesh& mesh, const int* ring, const int* faces, int degree, bool may_close_holes) {
+    const auto is_cap = [&](int i) { return faces[(i + degree) % degree] >= mesh.first_cap_face; };
+    const bool on_border =
+        std::any_of(faces, faces + degree, [&](int f) { return f >= mesh.first_cap_face; });
+    // Where the heir of a cap is not of the same one, the hole closes.
+    const auto can_vanish = [&](int i, int heir) {
+        return is_cap(i) ? is_cap(heir) || may_close_holes : !is_cap(heir);
+    };
     const auto keeps_border = [&](int t) {
-        return !on_border || is_cap(ring[(t + 1) % degree]) ||
-            is_cap(ring[(t + degree - 1) % degree]);
+        return !on_border ||
+            ((is_cap(t) || is_cap(t - 1)) && can_vanish(t, t + 1) && can_vanish(t - 1, t - 2));
     };
     std::array<int, 3> last = {-1, -1, -1};
     for (int attempt = 0; attempt < degree; ++attempt) {
@@ -158,8 +227,8 @@ int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
                 best_rank = rank;
             }
         }
-        if (!mesh.is_fixed[ring[best]] && keeps_border(best) &&
-            satisfies_link_condition(mesh, ring, degree, best)) {
+        if (!mesh.is_fixed[ring[best]] && ring[best] < mesh.first_cap_vertex &&
+            keeps_border(best) && satisfies_link_condition(mesh, ring, degree, best)) {
             return best;
         }
         last = best_rank;
@@ -168,7 +237,7 @@ int choose_target(const CollapseMesh& mesh, const int* ring, int degree) {
 }
 
 /// Gathers the star of collapse i, rotated to its target.
-void plan_star(CollapseMesh& mesh, CollapseRound& round, int i) {
+void plan_star(CollapseMesh& mesh, CollapseRound& round, bool may_close_holes, int i) {
     const int v = round.vertex[i];
     int* const ring = &round.ring_vertices[round.star_begin[i]];
     int* const faces = &round.star_faces[round.star_begin[i]];
@@ -179,7 +248,7 @@ void plan_star(CollapseMesh& mesh, CollapseRound& round, int i) {
         ++degree;
         return true;
     });
-    const int t = choose_target(mesh, ring, degree);
+    const int t = choose_target(mesh, ring, faces, degree, may_close_holes);
     if (t < 0) {
         round.target[i] = -1;
         return;
@@ -326,7 +395,7 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
         }
     }
     Capper(*this).run();
-    is_fixed.assign(vertices.size(), 1);
+    is_fixed.assign(vertices.size(), 0);
 #pragma omp parallel for num_threads(thread_count)
     for (int v = 0; v < vertex_count; ++v) {
         is_fixed[v] = !has_closed_fan(*this, v);
@@ -336,6 +405,7 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,
+                    bool may_close_holes,
                     int thread_count) {
     const int count = round.size();
     round.target.resize(count);
@@ -352,7 +422,7 @@ void plan_collapses(CollapseMesh& mesh,
     {
 #pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {
-            plan_star(mesh, round, i);
+            plan_star(mesh, round, may_close_holes, i);
         }
 #pragma omp for schedule(dynamic, 256)
         for (int i = 0; i < count; ++i) {

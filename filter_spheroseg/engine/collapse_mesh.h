@@ -6,8 +6,8 @@
 namespace spheroseg {
 
 /// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy. Holes are
-/// closed by caps: for each a vertex beyond those of the input, and around it a face beyond those
-/// of the input for each edge of the border. Faces of caps weigh nothing.
+/// closed by caps: a triangle, or a vertex beyond those of the input with a triangle around it for
+/// each edge of the border. The faces of caps are beyond those of the input and weigh nothing.
 struct CollapseMesh {
     struct Face {
         Triangle vertices;
@@ -30,8 +30,8 @@ struct CollapseMesh {
 
     std::vector<Face> faces;
     std::vector<Vertex> vertices;
-    /// Vertices without one closed fan of at least three faces that are oriented alike, and those
-    /// in the middle of caps: never removed, never a target.
+    /// Vertices without one closed fan of at least three faces that are oriented alike: never
+    /// removed, never a target.
     std::vector<char> is_fixed;
     /// The first vertex and the first face of caps: the numbers of those of the input.
     int first_cap_vertex;
@@ -42,6 +42,11 @@ struct CollapseMesh {
     int corner_of(int face, int vertex) const {
         const Triangle& t = faces[face].vertices;
         return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+    }
+
+    /// May the vertex be removed? One in the middle of a cap only leaves a triangle.
+    bool is_removable(int v) const {
+        return !is_fixed[v] && (v < first_cap_vertex || vertices[v].degree == 3);
     }
 
     /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) of the
@@ -73,11 +78,13 @@ struct CollapseRound {
 
 /// Fills `round` for the vertices in round.vertex, no two of which are neighbours: their stars and
 /// targets. The target is the ring vertex of least degree that satisfies the link condition; for a
-/// vertex on a border it is the next one along that. Of
-/// two collapses that would make the same edge, the one of higher `keys[vertex]` gets no target.
+/// vertex on a border it is the next one along that. Where that is a border of three edges the
+/// hole closes, if it may. Of two collapses that would make the same edge, the one of higher
+/// `keys[vertex]` gets no target.
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,
+                    bool may_close_holes,
                     int thread_count);
 
 /// Carries out the collapses that have a target.

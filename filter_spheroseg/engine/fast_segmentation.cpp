@@ -12,6 +12,7 @@
 #include "relaxation.h"
 #include "repair.h"
 #include "schedules.h"
+#include "soundness.h"
 #include "sphere_bisection.h"
 #include "threads.h"
 #include "trials.h"
@@ -97,7 +98,7 @@ public:
             Patchwork patchwork =
                 start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
             make_exact(patchwork);
-            const bool valid = keep_if_better(patchwork, forced_faces_ == 0);
+            const bool valid = keep_if_better(patchwork, forced_faces_ == 0 || is_sound(patchwork));
             if (valid && start > 0 && !task_.initial_labels.empty()) {
                 rename_like(result_.labels, task_.initial_labels, submesh_count_);
             }
@@ -236,9 +237,7 @@ private:
             return;
         }
         Patchwork patchwork = finest_with(task_.initial_labels);
-        const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
-        if (std::find(sound.begin(), sound.end(), 0) == sound.end() &&
-            (by_weight() || is_balanced(patchwork))) {
+        if (is_sound(patchwork) && (by_weight() || is_balanced(patchwork))) {
             keep_if_better(patchwork, true);
         }
     }
@@ -453,6 +452,7 @@ private:
                       schedules_,
                       schedules_.first(seed_),
                       component_.face_count(),
+                      forced_faces_,
                       levels_control());
         result_.refinement_seconds += watch.elapsed_seconds();
     }
@@ -464,6 +464,7 @@ private:
                               schedules_,
                               schedule,
                               component_.face_count(),
+                              forced_faces_,
                               levels_control());
         result_.refinement_seconds += watch.elapsed_seconds();
     }

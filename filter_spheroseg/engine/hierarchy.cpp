@@ -15,14 +15,18 @@ namespace {
 
 constexpr int kSerialSize = 4000;
 constexpr int kSelectionPasses = 2;
+/// Holes may close where there are fewer faces for each.
+constexpr int kFacesPerHole = 40;
 
 /// Which vertices a round may remove. Looser after a round that removed few.
 struct Limits {
     int max_degree = 8;
     /// Over the mean weight of a star.
     double max_weight_ratio = 1.5;
+    bool may_close_holes = false;
 
     void loosen() {
+        may_close_holes = true;
         max_degree += std::min(max_degree / 2, std::numeric_limits<int>::max() - max_degree);
         max_weight_ratio *= 1.5;
     }
@@ -63,6 +67,7 @@ private:
     void select_vertices();
     int append_round();
     void drop_removed();
+    bool has_many_holes() const;
     void collect_base();
 
     int threads_;
@@ -95,8 +100,9 @@ bool Builder::rank_vertices(const Limits& limits) {
         }
         const bool fits = vertex.degree <= limits.max_degree &&
             vertex.weight <= limits.max_weight_ratio * mean_weight;
-        states_[v] = fits && !mesh_.is_fixed[v] ? kOpen : kClosed;
-        complete = complete && (fits || mesh_.is_fixed[v]);
+        const bool is_removable = mesh_.is_removable(v);
+        states_[v] = fits && is_removable ? kOpen : kClosed;
+        complete = complete && (fits || !is_removable);
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
         keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
     }
@@ -215,6 +221,12 @@ void Builder::drop_removed() {
                       live_faces_.end());
 }
 
+bool Builder::has_many_holes() const {
+    const auto cap_faces =
+        live_faces_.end() - std::lower_bound(live_faces_.begin(), live_faces_.end(), face_count_);
+    return cap_faces * kFacesPerHole > static_cast<std::ptrdiff_t>(live_faces_.size());
+}
+
 void Builder::collect_base() {
     for (int f : live_faces_) {
         if (f >= face_count_) {
@@ -233,14 +245,15 @@ CollapseHierarchy Builder::build(const Progress& progress) {
         report_progress(progress,
                         1.0 - static_cast<double>(live_faces_.size()) / all_faces,
                         "Simplifying the mesh");
+        limits.may_close_holes = limits.may_close_holes || has_many_holes();
         const bool complete = rank_vertices(limits);
         select_vertices();
-        plan_collapses(mesh_, round_, keys_, threads_);
+        plan_collapses(mesh_, round_, keys_, limits.may_close_holes, threads_);
         apply_collapses(mesh_, round_, threads_);
         const int vertex_count = static_cast<int>(alive_.size());
         const int removed = append_round();
         drop_removed();
-        if (removed == 0 && complete) {
+        if (removed == 0 && complete && limits.may_close_holes) {
             break;
         }
         if (removed < vertex_count / 10 || removed == 0) {

@@ -14,8 +14,10 @@ namespace spheroseg {
 /// the first ring vertex is the target; star_faces[j] is the face (vertex, ring[j], ring[j + 1])
 /// (cyclic). The first and the last star face contain the target and disappear; in the others
 /// `vertex` becomes `target`. Face and vertex indices are those of the input mesh; greater ones
-/// belong to caps that close its holes: a vertex on a border has two faces of a cap in its star,
-/// side by side, and one of them is the first or the last.
+/// belong to caps that close its holes. A vertex on a border has faces of a cap in its star, and
+/// one of them is the first or the last. Where the face next to that in the star is of the mesh,
+/// the step closes the hole: that face and the one beyond the cap become neighbours. The face that
+/// takes the place of a face of the mesh is never one of a cap.
 struct CollapseHierarchy {
     std::vector<int> vertex;
     std::vector<int> target;
@@ -36,11 +38,11 @@ struct CollapseHierarchy {
 /// parallel. Vertices are removed where the fewest input faces gather, so that the coarse faces
 /// stand for about the same number of input faces each, and the degrees stay small; a round removes
 /// about a quarter of the vertices. Positions are not used.
-/// On other meshes it ends where the link condition allows no more; vertices on borders are removed
-/// along these. Non-manifold vertices, those of edges whose faces run along them in the same
-/// direction and the whole borders on which such vertices make it unclear how these go on are
-/// never removed. The result does not depend on the number of threads.
-/// Throws Cancelled.
+/// On other meshes it ends where the link condition allows no more. Vertices on borders are removed
+/// along these; holes are closed once there are many of them for the faces that are left. What is
+/// left of a connected mesh stays connected. Vertices whose faces, with the caps, are not one
+/// closed fan, or run along an edge in the same direction, are never removed. The result does not
+/// depend on the number of threads. Throws Cancelled.
 CollapseHierarchy build_hierarchy(const TriangleMesh& mesh,
                                   const DualGraph& dual_graph,
                                   int thread_count = 0,

@@ -118,7 +118,7 @@ public:
         int round = hierarchy_.round_count();
         for (std::size_t l = rounds.size(); l-- > 0;) {
             while (round > rounds[l]) {
-                undo(--round);
+                result.levels[l + 1].closes_holes |= undo(--round);
             }
             result.levels[l].sides = link(orders[l]);
             orders.pop_back();
@@ -127,7 +127,8 @@ public:
     }
 
 private:
-    /// Where a face comes back: between its heir, which took its place, and what lies beyond.
+    /// Where a face comes back: between its heir, which took its place, and what lies beyond. Where
+    /// a hole opens again, `cell` is -1; where nothing changes, `heir` is.
     struct Insertion {
         int cell;
         int heir;
@@ -268,7 +269,8 @@ private:
     }
 
     /// The stars of a round share no face, so that its steps can be undone at the same time.
-    void undo(int round) {
+    /// Returns whether a hole opens.
+    bool undo(int round) {
         const int begin = hierarchy_.round_begin[round];
         const int count = hierarchy_.round_begin[round + 1] - begin;
         const int threads = threads_for(thread_count_, count, kStepsPerThread);
@@ -290,16 +292,20 @@ private:
                 link_beyond(insertions_[i]);
             }
         }
+        return std::any_of(insertions_.begin(), insertions_.end(), [](const Insertion& insertion) {
+            return insertion.heir >= 0 && insertion.cell < 0;
+        });
     }
 
     void find_place(int step, bool first, Insertion& insertion) const {
         const int face = removed_face(step, first);
+        const int heir_of_face = heir_face(step, first);
         insertion.cell = face < face_count_ ? cell_of_face_[face] : -1;
-        if (insertion.cell < 0) {
+        insertion.heir = heir_of_face < face_count_ ? cell_of_face_[heir_of_face] : -1;
+        if (insertion.heir < 0) {
             return;
         }
         const int target = hierarchy_.target[step];
-        insertion.heir = cell_of_face_[heir_face(step, first)];
         const LinkedTriangle& heir = cells_[insertion.heir];
         const int corner = heir.corner(target);
         insertion.heir_side = first ? corner : previous_corner(corner);
@@ -320,13 +326,16 @@ private:
     void insert(int step, const Insertion& first, const Insertion& last) {
         const int vertex = hierarchy_.vertex[step];
         const int target = hierarchy_.target[step];
+        for (const Insertion& insertion : {first, last}) {
+            if (insertion.heir >= 0) {
+                cells_[insertion.heir].neighbor[insertion.heir_side] = insertion.cell;
+            }
+        }
         if (first.cell >= 0) {
-            cells_[first.heir].neighbor[first.heir_side] = first.cell;
             cells_[first.cell] = {{vertex, target, rim(step, true)},
                                   {last.cell, first.beyond, first.heir}};
         }
         if (last.cell >= 0) {
-            cells_[last.heir].neighbor[last.heir_side] = last.cell;
             cells_[last.cell] = {{vertex, rim(step, false), target},
                                  {last.heir, last.beyond, first.cell}};
         }
@@ -341,13 +350,13 @@ private:
     /// What lies beyond learns of the face; unless there, too, a face came back at the same edge:
     /// then that one lies beyond.
     void link_beyond(const Insertion& insertion) {
-        if (insertion.cell < 0 || insertion.beyond < 0) {
+        if (insertion.heir < 0 || insertion.beyond < 0) {
             return;
         }
         int& side = cells_[insertion.beyond].neighbor[insertion.beyond_side];
         if (side == insertion.heir) {
             side = insertion.cell;
-        } else {
+        } else if (insertion.cell >= 0) {
             cells_[insertion.cell].neighbor[Insertion::kBeyond] = side;
         }
     }

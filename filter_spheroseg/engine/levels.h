@@ -15,6 +15,8 @@ struct Level {
     std::vector<std::array<NeighborSide, 3>> sides;
     /// Cell i stands for the cells [begin[i], begin[i + 1]) of the finest level; empty there.
     std::vector<int> begin;
+    /// Are holes closed here that the next finer level has?
+    bool closes_holes = false;
 
     int cell_count() const { return static_cast<int>(sides.size()); }
     int begin_of(int cell) const { return begin.empty() ? cell : begin[cell]; }

@@ -71,10 +71,10 @@ void Multilevel::fill(
     }
 }
 
-void Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
+bool Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
     const Level& level = level_of(patchwork);
     if (&level == &levels_->levels.front()) {
-        return;
+        return false;
     }
     const Level& finer = *(&level - 1);
     const std::vector<int> labels = labels_of(patchwork);
@@ -94,6 +94,7 @@ void Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
         }
     }
     patchwork.tell_neighbors(thread_count);
+    return level.closes_holes;
 }
 
 std::vector<int> Multilevel::labels(const Patchwork& patchwork) const {

@@ -30,8 +30,8 @@ public:
 
     /// Turns a patchwork into that of the next finer level, if there is one. Cells get the labels
     /// of those that stood for them, so that loads stay the same, and every sub-mesh stays
-    /// connected and free of bowties.
-    void uncoarsen(Patchwork& patchwork, int thread_count = 1) const;
+    /// connected and free of bowties; unless holes open that were closed, then it returns true.
+    bool uncoarsen(Patchwork& patchwork, int thread_count = 1) const;
 
     /// Labels of the finest level in the order of the input mesh's faces.
     std::vector<int> labels(const Patchwork& patchwork) const;

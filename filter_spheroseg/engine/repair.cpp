@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "repair.h"
 
+#include "soundness.h"
+
 #include <algorithm>
 #include <deque>
 #include <utility>
@@ -11,8 +13,9 @@ namespace {
 
 class Repair {
 public:
-    Repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound)
-        : patchwork_(patchwork), sound_(sound) {}
+    /// Sub-meshes with a non-zero entry in `sound` keep all their faces.
+    Repair(Patchwork& patchwork, std::vector<std::uint8_t> sound)
+        : patchwork_(patchwork), sound_(std::move(sound)) {}
 
     int run() {
         keep_cores();
@@ -332,7 +335,7 @@ private:
     }
 
     Patchwork& patchwork_;
-    const std::vector<std::uint8_t>& sound_;
+    const std::vector<std::uint8_t> sound_;
     std::vector<int> queue_;
     /// Faces that could not join the core alone.
     std::vector<int> refused_;
@@ -343,11 +346,11 @@ private:
 } // namespace
 
 int repair(Patchwork& patchwork) {
-    return repair(patchwork, std::vector<std::uint8_t>(patchwork.submesh_count(), 0));
+    return Repair(patchwork, std::vector<std::uint8_t>(patchwork.submesh_count(), 0)).run();
 }
 
-int repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound) {
-    return Repair(patchwork, sound).run();
+int repair_unsound(Patchwork& patchwork) {
+    return Repair(patchwork, sound_submeshes(patchwork)).run();
 }
 
 } // namespace spheroseg

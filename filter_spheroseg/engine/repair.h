@@ -3,8 +3,6 @@
 
 #include "patchwork.h"
 
-#include <cstdint>
-
 namespace spheroseg {
 
 /// Makes every sub-mesh edge-connected and free of bowties, whatever the labels (each in
@@ -15,8 +13,8 @@ namespace spheroseg {
 /// no sub-mesh could take without a bowtie; these got the label of a neighbour nevertheless.
 int repair(Patchwork& patchwork);
 
-/// The same, but the sub-meshes with a non-zero entry in `sound` (one entry per sub-mesh), which
-/// have a face, are edge-connected and free of bowties, keep all their faces.
-int repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound);
+/// The same, but sub-meshes that are edge-connected and free of bowties already keep all their
+/// faces. Every face is in a sub-mesh.
+int repair_unsound(Patchwork& patchwork);
 
 } // namespace spheroseg

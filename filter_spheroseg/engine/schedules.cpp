@@ -3,6 +3,7 @@
 
 #include "boundary.h"
 #include "levels.h"
+#include "repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -94,6 +95,21 @@ void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double be
         static_cast<double>(patchwork.face_count()) / patchwork.submesh_count();
     schedule.balance_weight_begin = begin / faces_per_submesh;
     schedule.balance_weight_end = end / faces_per_submesh;
+}
+
+void uncoarsen(Patchwork& patchwork,
+               const Multilevel& multilevel,
+               int thread_count,
+               int& forced_faces) {
+    const bool opened = multilevel.uncoarsen(patchwork, thread_count);
+    if (opened || forced_faces > 0) {
+        forced_faces = repair_unsound(patchwork);
+    }
+    if (forced_faces > 0 && !patchwork.may_close_rings) {
+        // Around the holes, if not otherwise.
+        patchwork.may_close_rings = true;
+        forced_faces = repair_unsound(patchwork);
+    }
 }
 
 } // namespace spheroseg

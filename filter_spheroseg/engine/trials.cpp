@@ -7,6 +7,7 @@
 #include "parallel_tasks.h"
 #include "relaxation.h"
 #include "repair.h"
+#include "soundness.h"
 #include "threads.h"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ private:
 
     static double cost(const Trial& trial) {
         const double edges = static_cast<double>(count_boundary_edges(trial.patchwork, 1));
-        return trial.forced_faces > 0 ? 1e12 + edges : edges;
+        return trial.forced_faces > 0 && !is_sound(trial.patchwork) ? 1e12 + edges : edges;
     }
 
     void keep_best(std::vector<Candidate>& candidates) const {
@@ -149,6 +150,7 @@ private:
                           short_schedules_,
                           short_schedules_.first(seed),
                           kTrialFaces,
+                          trial.forced_faces,
                           parts_of(kind % 2 == 1 ? part_of(control, kBegun, 1.0) : control));
     }
 
@@ -206,6 +208,7 @@ private:
                                                schedules_,
                                                trial.schedule,
                                                kFinalFaces,
+                                               trial.forced_faces,
                                                parts_of(control));
     }
 

@@ -22,32 +22,6 @@ constexpr double kHeaviest = 2.0;
 /// Load per sub-mesh where there is none.
 constexpr double kDensest = 1e300;
 
-/// Sides at the vertex at `corner` of a face across which another label or an open border lies.
-int fan_ends(const Patchwork& patchwork, int face, int corner) {
-    const int label = patchwork.label(face);
-    return (patchwork.label_across(face, corner) != label) +
-        (patchwork.label_across(face, previous_corner(corner)) != label);
-}
-
-/// More than one fan of the face's sub-mesh lies around the vertex at `corner`.
-bool has_bowtie_at(const Patchwork& patchwork, int face, int corner) {
-    const int label = patchwork.label(face);
-    int ends = fan_ends(patchwork, face, corner);
-    for (int exit : {corner, previous_corner(corner)}) {
-        Step step{face, corner, exit};
-        while (patchwork.neighbor(step.face, step.exit) >= 0) {
-            step = patchwork.step_from(step);
-            if (step.face == face) {
-                return ends > 2;
-            }
-            if (patchwork.label(step.face) == label) {
-                ends += fan_ends(patchwork, step.face, step.at);
-            }
-        }
-    }
-    return ends > 2;
-}
-
 bool is_even(const Patchwork& patchwork) {
     const double mean = mean_load(patchwork);
     return std::all_of(patchwork.load.begin(), patchwork.load.end(), [&](int load) {
@@ -178,53 +152,15 @@ void share_anew(Patchwork& patchwork, std::uint64_t seed) {
 
 } // namespace
 
-std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
-    std::vector<int> pieces(patchwork.submesh_count(), 0);
-    std::vector<std::uint8_t> seen(patchwork.cells.size(), 0);
-    std::vector<int> queue;
-    for (int start = 0; start < patchwork.face_count(); ++start) {
-        if (seen[start]) {
-            continue;
-        }
-        const int label = patchwork.cells[start].label;
-        ++pieces[label];
-        seen[start] = 1;
-        queue.assign(1, start);
-        while (!queue.empty()) {
-            const int face = queue.back();
-            queue.pop_back();
-            for (int neighbor : patchwork.neighbors(face)) {
-                if (neighbor >= 0 && !seen[neighbor] && patchwork.cells[neighbor].label == label) {
-                    seen[neighbor] = 1;
-                    queue.push_back(neighbor);
-                }
-            }
-        }
-    }
-    std::vector<std::uint8_t> sound(patchwork.submesh_count());
-    for (std::size_t l = 0; l < sound.size(); ++l) {
-        sound[l] = pieces[l] == 1;
-    }
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        const int label = patchwork.cells[f].label;
-        for (int c = 0; c < 3 && sound[label]; ++c) {
-            if (fan_ends(patchwork, f, c) > 0 && has_bowtie_at(patchwork, f, c)) {
-                sound[label] = 0;
-            }
-        }
-    }
-    return sound;
-}
-
 int adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
     spread_labels(patchwork);
     if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
         share_anew(patchwork, seed + kMaxRounds);
     }
-    int forced = repair(patchwork, sound_submeshes(patchwork));
+    int forced = repair_unsound(patchwork);
     for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
         share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
-        forced = repair(patchwork, sound_submeshes(patchwork));
+        forced = repair_unsound(patchwork);
     }
     return forced;
 }

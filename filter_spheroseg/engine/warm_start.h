@@ -7,9 +7,6 @@
 
 namespace spheroseg {
 
-/// For each sub-mesh whether it has a face, is edge-connected and free of bowties.
-std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork);
-
 /// Makes labels that somebody else chose (each in [0, submesh_count) or -1: that of the nearest
 /// face that has one; on the finest level) a start for the refinement: every sub-mesh
 /// edge-connected and free of bowties, with a load between half and twice the mean as far as that

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segment.h"
 
-#include "test_meshes.h"
+#include "patchwork_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -34,6 +34,22 @@ TEST(Fast, FindsTheRingsOfATorus) {
         const int edges = segment(prepared, options).measures.boundary_edge_count;
         EXPECT_GE(edges, 5 * across);
         EXPECT_LE(edges, 1.1 * 5 * across) << seed;
+    }
+}
+
+TEST(Fast, FindsShortBoundariesAmongManyHoles) {
+    // With holes that stay open on coarse levels they are two to three times as long.
+    const TriangleMesh whole = flipped_sphere(6, 40000);
+    for (const TriangleMesh& mesh : {pinholed(whole, 60), sieve(whole, 0.02, 1)}) {
+        for (int k : {2, 5}) {
+            PreparedMesh without(whole, 2);
+            PreparedMesh with(mesh, 2);
+            const Segmentation result = segment(with, fast_options(k));
+            EXPECT_TRUE(result.is_valid());
+            EXPECT_LE(result.measures.boundary_edge_count,
+                      1.1 * segment(without, fast_options(k)).measures.boundary_edge_count)
+                << k;
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "hierarchy.h"
 
+#include "component.h"
 #include "errors.h"
+#include "patchwork_meshes.h"
 #include "replay.h"
-#include "test_meshes.h"
 
 #include <gtest/gtest.h>
 
@@ -161,47 +162,82 @@ TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
     }
 }
 
-TEST(Hierarchy, ShortensBordersAndKeepsHoles) {
-    for (const TriangleMesh& mesh :
-         {test::open_grid(20), test::grid_with_holes(24), test::grid_with_holes(27)}) {
-        const DualGraph graph = build_dual_graph(mesh, 1);
-        std::set<int> on_border;
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            for (int c = 0; c < 3; ++c) {
-                if (graph.neighbors[f][c] < 0) {
-                    on_border.insert(mesh.faces[f][c]);
-                }
-            }
-        }
+void expect_faces(const test::Replay& undone, const TriangleMesh& mesh) {
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        EXPECT_EQ(test::Replay::rotated(undone.faces()[f]), test::Replay::rotated(mesh.faces[f]));
+    }
+}
+
+TEST(Hierarchy, ShortensBordersThenClosesHoles) {
+    for (const TriangleMesh& mesh : {test::open_grid(20),
+                                     test::grid_with_holes(24),
+                                     test::grid_with_holes(27),
+                                     test::pinholed(test::icosphere(4), 30)}) {
         const CollapseHierarchy hierarchy = hierarchy_of(mesh);
-        for (int i = 0; i < hierarchy.step_count(); ++i) {
-            EXPECT_TRUE(on_border.count(hierarchy.vertex[i]) == 0 ||
-                        on_border.count(hierarchy.target[i]) == 1);
-        }
         const Topology expected = topology_of(mesh);
         EXPECT_EQ(expected.euler, 2 - expected.loops);
         test::Replay replay(hierarchy, mesh.face_count());
-        EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), 12 * expected.loops);
+        EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), 40);
+        int loops = 0;
         for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
-            const Topology coarse = topology_of(replay.living_mesh(mesh.vertex_count()));
-            EXPECT_EQ(coarse.euler, expected.euler);
-            EXPECT_EQ(coarse.loops, expected.loops);
+            const TriangleMesh left = replay.living_mesh(mesh.vertex_count());
+            const Topology coarse = topology_of(left);
+            EXPECT_EQ(coarse.euler, 2 - coarse.loops);
+            EXPECT_GE(coarse.loops, loops);
+            loops = coarse.loops;
+            EXPECT_EQ(faces_of_components(build_dual_graph(left, 1)).size(), 1u);
             for (int i = hierarchy.round_begin[r + 1] - 1; i >= hierarchy.round_begin[r]; --i) {
-                replay.undo(i);
+                ASSERT_NO_FATAL_FAILURE(replay.undo(i));
             }
         }
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            EXPECT_EQ(test::Replay::rotated(replay.faces()[f]),
-                      test::Replay::rotated(mesh.faces[f]));
+        EXPECT_LE(loops, expected.loops);
+        expect_faces(replay, mesh);
+    }
+}
+
+TEST(Hierarchy, ClosesHolesLate) {
+    // While they are few they hinder nothing.
+    const TriangleMesh mesh = test::pinholed(test::icosphere(5), 1000);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    const int holes = topology_of(mesh).loops;
+    EXPECT_EQ(holes, 20);
+    test::Replay replay(hierarchy, mesh.face_count());
+    for (int r = hierarchy.round_count() - 1; r >= 0; --r) {
+        const TriangleMesh left = replay.living_mesh(mesh.vertex_count());
+        if (left.face_count() > 100 * holes) {
+            EXPECT_EQ(topology_of(left).loops, holes);
+        }
+        for (int i = hierarchy.round_begin[r + 1] - 1; i >= hierarchy.round_begin[r]; --i) {
+            replay.undo(i);
         }
     }
 }
 
-TEST(Hierarchy, KeepsBordersThatTouchThemselves) {
-    // Two squares that share a corner: there the border goes on in two ways.
+TEST(Hierarchy, ClosesHolesThatTouchAtTheirCorners) {
+    const TriangleMesh whole = test::flipped_sphere(4, 3000);
+    for (double share : {0.05, 0.15}) {
+        const TriangleMesh mesh = test::sieve(whole, share, 3);
+        const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        test::Replay replay(hierarchy, mesh.face_count());
+        EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), mesh.face_count() / 10);
+        for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+            ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+        }
+        expect_faces(replay, mesh);
+    }
+}
+
+TEST(Hierarchy, KeepsAVertexWhereComponentsTouch) {
+    // Two squares that share a corner.
     TriangleMesh mesh = test::open_grid(2);
     mesh.faces = {mesh.faces[0], mesh.faces[1], mesh.faces[6], mesh.faces[7]};
-    EXPECT_EQ(hierarchy_of(mesh).step_count(), 0);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    test::Replay replay(hierarchy, mesh.face_count());
+    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+        EXPECT_NE(hierarchy.vertex[i], 4);
+        ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+    }
+    expect_faces(replay, mesh);
 }
 
 TEST(Hierarchy, StopsOnATorusUnderTheLinkCondition) {

@@ -4,6 +4,7 @@
 #include "random.h"
 #include "test_solids.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -181,6 +182,23 @@ inline TriangleMesh grid_with_holes(int side) {
         }
     }
     mesh.faces = kept;
+    return mesh;
+}
+
+/// Without every so many faces, none of which share a vertex.
+inline TriangleMesh pinholed(const TriangleMesh& from, int every) {
+    TriangleMesh mesh{from.positions, {}};
+    std::set<int> used;
+    for (int f = 0, since = 0; f < from.face_count(); ++f) {
+        const Triangle& t = from.faces[f];
+        const bool is_free = used.count(t[0]) + used.count(t[1]) + used.count(t[2]) == 0;
+        if (++since >= every && is_free) {
+            used.insert(t.begin(), t.end());
+            since = 0;
+        } else {
+            mesh.faces.push_back(t);
+        }
+    }
     return mesh;
 }
 

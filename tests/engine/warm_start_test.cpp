@@ -2,6 +2,7 @@
 #include "warm_start.h"
 
 #include "segment.h"
+#include "soundness.h"
 
 #include "patchwork_meshes.h"
 

@@ -124,8 +124,8 @@ const char* find_bad_level(PreparedMesh& prepared, int seed, int thread_count) {
         const Multilevel& levels = component.multilevel(thread_count, {});
         Patchwork patchwork = levels.coarsen(static_cast<int>(random.below(300)), 1);
         label(patchwork, random);
-        const bool sound = repair(patchwork) == 0;
-        const std::vector<int> loads = patchwork.load;
+        bool sound = repair(patchwork) == 0;
+        std::vector<int> loads = patchwork.load;
         for (;;) {
             const char* fault = find_fault(patchwork, levels.total_weight(), sound);
             if (fault || patchwork.load != loads) {
@@ -134,7 +134,10 @@ const char* find_bad_level(PreparedMesh& prepared, int seed, int thread_count) {
             if (patchwork.face_count() >= component.face_count()) {
                 break;
             }
-            levels.uncoarsen(patchwork, thread_count);
+            if (levels.uncoarsen(patchwork, thread_count)) {
+                sound = repair_unsound(patchwork) == 0;
+                loads = patchwork.load;
+            }
         }
         if (!is_the_mesh(prepared, component, levels, patchwork)) {
             return "the finest level is the mesh";

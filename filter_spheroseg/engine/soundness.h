@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+
+#include <cstdint>
+
+namespace spheroseg {
+
+/// For each sub-mesh whether it has a face, is edge-connected and free of bowties. Every face is in
+/// a sub-mesh. O(F).
+std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork);
+
+/// Is that so for all of them?
+bool is_sound(const Patchwork& patchwork);
+
+} // namespace spheroseg
