@@ -230,19 +230,35 @@ def needle() -> Arrays:
 
 
 def with_stars_cut_out(arrays: Arrays, count: int, seed: int) -> Arrays:
-    """Less all faces around some vertices, no two of which have a neighbour in common: each is a
-    hole of its own. The mesh must be closed and manifold."""
+    """Less all faces around some vertices. The mesh must be closed and manifold."""
+    _, faces = arrays
+    return _with_holes(arrays, count, seed, np.unique(faces), lambda v: (faces == v).any(axis=1))
+
+
+def with_faces_cut_out(arrays: Arrays, count: int, seed: int) -> Arrays:
+    """Less some single faces. The mesh must be closed and manifold."""
+    indices = np.arange(len(arrays[1]))
+    return _with_holes(arrays, count, seed, indices, lambda face: indices == face)
+
+
+def _with_holes(
+    arrays: Arrays,
+    count: int,
+    seed: int,
+    places: np.ndarray,
+    faces_at: Callable[[int], np.ndarray],
+) -> Arrays:
+    """Holes at places chosen at random, no two of which have a vertex in common."""
     vertices, faces = arrays
-    generator = np.random.default_rng(seed)
     keep = np.ones(len(faces), dtype=bool)
     near = np.zeros(len(vertices), dtype=bool)
     holes = 0
-    for vertex in generator.permutation(np.unique(faces)):
-        star = (faces == vertex).any(axis=1)
-        if near[faces[star]].any():
+    for place in np.random.default_rng(seed).permutation(places):
+        hole = faces_at(place)
+        if near[faces[hole]].any():
             continue
-        near[faces[star]] = True
-        keep &= ~star
+        near[faces[hole]] = True
+        keep &= ~hole
         holes += 1
         if holes == count:
             return vertices, faces[keep]
@@ -317,5 +333,8 @@ SURFACES: dict[str, Surface] = {
     "bone with holes": Surface(bone_with_holes, euler=-10, border_loops=12),
     "airplane with holes": Surface(
         lambda: with_stars_cut_out(sample("airplane.obj"), 40, 3), euler=-38, border_loops=40
+    ),
+    "cow with pinholes": Surface(
+        lambda: with_faces_cut_out(sample("cow.obj"), 150, 4), euler=-148, border_loops=150
     ),
 }
