@@ -19,7 +19,7 @@ FILTERS = {
     "compute_scalar_by_balanced_segmentation_per_face": """\
 Balanced Segmentation (SpheroSeg): writes the label 0..k-1 of each face as its quality.
 
-Keyword arguments: submesh_count (int, 200; fewer for meshes under 2,000 faces),
+Keyword arguments: submesh_count (int, 200, or ceil(F / 10) if that is less),
 triangles_per_submesh (int, 0), method ('fast', 'all_pairs'), effort ('draft', 'standard', 'high'),
 device ('auto', 'cpu', 'cuda'), seed (int, 0), thread_count (int, 0: all cores),
 max_cohesion_iterations, max_refinement_iterations (int, 0: until converged), time_limit_seconds
@@ -38,8 +38,6 @@ Returns the measures as a dictionary; see docs/measures.md.""",
     "generate_submesh_layers": """\
 Split into Sub-mesh Layers (SpheroSeg): one layer per sub-mesh, with the attributes
 'source_vertex' and 'source_face'.""",
-    "generate_submesh_lod": """\
-Sub-mesh Level of Detail (SpheroSeg): simplifies each sub-mesh on its own, its boundary kept.""",
 }
 
 
@@ -57,8 +55,8 @@ _of_this_thread = threading.local()
 def plugin_path() -> Path:
     """Path of the plugin that this package uses.
 
-    In this order: the file that the environment variable SPHEROSEG_PLUGIN names, the one beside
-    this package, the one in the build folder `build/plugin` of a source checkout. Raises
+    In this order: the file that the environment variable SPHEROSEG_PLUGIN names, the one in the
+    folder of this package, the one in the build folder `build/plugin` of a source checkout. Raises
     PluginError when there is none.
     """
     named = os.environ.get(PLUGIN_VARIABLE)

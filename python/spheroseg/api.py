@@ -44,7 +44,7 @@ _INT_LIMIT = 2**31
 TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Segmentation:
     """Result of `segment`.
 
@@ -56,7 +56,7 @@ class Segmentation:
     measures: dict[str, Any]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Parametrization:
     """Result of `parametrize`.
 
@@ -83,8 +83,8 @@ def segment(
     No edge may have more than two faces; holes, handles and several components are fine (their
     sizes then limit how little the counts can differ). The method all_pairs needs one closed,
     oriented, two-manifold component of genus 0. Vertices that no face names are allowed.
-    submesh_count: k, from the number of components to F; by default 200, or fewer for meshes under
-    2,000 faces.
+    submesh_count: k, from the number of components to F; by default 200, or ceil(F / 10) if
+    that is less.
     face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
     takes the areas. initial_labels: (F,) whole numbers in [0, 2^24): repaired, balanced and refined
     instead of a new start; k is then the number of different ones.
@@ -103,7 +103,7 @@ def segment(
     if initial_labels is None:
         mesh_set = _mesh_set(vertices, faces)
     else:
-        labels = as_labels(initial_labels, len(faces))
+        labels = as_labels(initial_labels, len(faces), name="initial_labels")
         mesh_set = labelled_mesh_set(vertices, faces, labels)
         parameters["initial_labels"] = "face_quality"
     if face_weights is not None:

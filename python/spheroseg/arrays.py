@@ -37,16 +37,22 @@ def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:
     return array.astype(np.int32, order="C")
 
 
-def as_labels(labels: ArrayLike, face_count: int, submesh_count: int | None = None) -> np.ndarray:
-    """A (face_count,) array of int32 in [0, submesh_count), by default in [0, LABEL_LIMIT)."""
-    array = _whole("labels", _numeric("labels", labels, (), "(F,)"))
+def as_labels(
+    labels: ArrayLike,
+    face_count: int,
+    submesh_count: int | None = None,
+    name: str = "labels",
+) -> np.ndarray:
+    """A (face_count,) array of int32 in [0, submesh_count), by default in [0, LABEL_LIMIT).
+    `name`: what errors call it."""
+    array = _whole(name, _numeric(name, labels, (), "(F,)"))
     if len(array) != face_count:
-        raise InputError(f"labels must have one entry per face: {face_count}, got {len(array)}")
+        raise InputError(f"{name} must have one entry per face: {face_count}, got {len(array)}")
     limit = LABEL_LIMIT if submesh_count is None else submesh_count
     bad = np.flatnonzero((array < 0) | (array >= limit))
     if len(bad):
         raise InputError(
-            f"labels must be whole numbers in [0, {limit}); face {bad[0]} has {array[bad[0]]}"
+            f"{name} must be whole numbers in [0, {limit}); face {bad[0]} has {array[bad[0]]}"
         )
     return array.astype(np.int32)
 

@@ -10,7 +10,7 @@ import numpy as np
 from spheroseg.errors import InputError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DualGraph:
     """`neighbours` is (F, 3) int32: the triangle across the edge from corner i to corner i + 1,
     or -1 on an open border. `starts` (F + 1) and `adjacent` hold the same as a CSR graph."""
@@ -73,7 +73,7 @@ def build_dual_graph(faces: np.ndarray) -> DualGraph:
         first, second = corners[order[:-2][same[1:] & same[:-1]][0]]
         raise InputError(
             f"the edge between vertices {first} and {second} has more than two triangles; "
-            "repair the mesh first"
+            "repair the mesh first (in MeshLab: Repair non Manifold Edges)"
         )
     left, right = order[:-1][same], order[1:][same]
     neighbours = np.full(3 * face_count, -1, dtype=np.int32)

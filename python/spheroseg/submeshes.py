@@ -17,7 +17,7 @@ MAX_SHORT_VERTICES = 65535
 _MOST_SUBMESHES = 65536
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SubMeshes:
     """k sub-meshes in CSR form: block i of an array lies at [starts[i], starts[i + 1]).
 

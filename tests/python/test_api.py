@@ -287,8 +287,15 @@ def test_a_bad_option_is_refused_with_its_value(cube, options, message):
 def test_bad_labels_are_refused_with_the_reason(cube, labels, message):
     with pytest.raises(spheroseg.InputError, match=message):
         spheroseg.measure(*cube, labels)
-    with pytest.raises(spheroseg.InputError, match=message):
+    with pytest.raises(spheroseg.InputError, match=message) as said:
         spheroseg.segment(*cube, initial_labels=labels)
+    assert str(said.value).startswith("initial_labels")
+
+
+def test_results_can_be_kept_in_sets(cube):
+    results = [spheroseg.segment(*cube, 2), spheroseg.segment(*cube, 2)]
+    assert len(set(results)) == 2
+    assert results[0] != results[1]
 
 
 def test_the_largest_label_is_taken(cube):

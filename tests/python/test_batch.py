@@ -181,6 +181,34 @@ def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
     assert "add --resume" in capsys.readouterr().err
 
 
+def test_a_run_without_a_result_leaves_the_folder_free(tmp_path, capsys):
+    output = ["-o", str(tmp_path / "out"), "-k", "3"]
+    assert main(["batch", str(tmp_path / "gone.ply"), *output]) == 1
+    assert f"failed: {tmp_path / 'gone.ply'}: no such file\n" in capsys.readouterr().err
+    write_mesh(tmp_path / "a.ply")
+    assert main(["batch", str(tmp_path / "a.ply"), *output]) == 0
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["done"]
+
+
+def test_formats_may_have_blanks_between_them(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    output = tmp_path / "out"
+    formats = ["--formats", "ply, npy"]
+    assert main(["batch", str(tmp_path / "a.ply"), "-o", str(output), "-k", "3", *formats]) == 0
+    assert (output / "a.npy").exists()
+
+
+def test_a_device_that_is_not_there_is_said_once(tmp_path, capsys):
+    write_mesh(tmp_path / "a.ply")
+    options = ["-o", str(tmp_path / "out"), "-k", "3", "--device", "cuda"]
+    if main(["segment", str(tmp_path / "a.ply"), "-k", "3", "--device", "cuda"]) == 0:
+        pytest.skip("there is a usable GPU")
+    capsys.readouterr()
+    assert main(["batch", str(tmp_path / "a.ply"), *options]) == 2
+    assert capsys.readouterr().err.count("Expected a usable CUDA device") == 1
+    assert not (tmp_path / "out" / jobs.RECORD_FOLDER).exists()
+
+
 @pytest.mark.parametrize("link", [None, "symlink_to", "hardlink_to"])
 def test_an_input_is_never_replaced_by_a_result(link, tmp_path, capsys):
     write_mesh(tmp_path / "in" / "a.ply")

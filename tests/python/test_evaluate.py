@@ -282,6 +282,15 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     assert "<summary>Left out: 1 case</summary>" in text
 
 
+def test_where_nothing_can_run_no_report_is_written(tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "small.ply").write_bytes(ply_bytes(*octahedron()))
+    command = ["evaluate", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "16", "32"]
+    assert main([*command, "--methods", "region_growing"]) == 2
+    assert "small, k = 16, region_growing: only 8 triangles" in capsys.readouterr().err
+    assert not (tmp_path / "out" / "report.html").exists()
+
+
 def test_method_that_fails_costs_a_line_and_exit_code_one(tmp_path, capsys, monkeypatch):
     write_inputs(tmp_path / "in")
     # Found before the installed package, also in the process of each mesh.

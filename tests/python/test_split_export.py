@@ -475,6 +475,14 @@ def test_split_command_segments_a_bare_mesh(labelled_files, monkeypatch):
     assert sorted(counts) == [85, 85, 85, 85, 86, 86]  # 512 = 4 * 85 + 2 * 86
 
 
+def test_export_command_segments_a_labelled_mesh_anew_when_asked(labelled_files, monkeypatch):
+    monkeypatch.chdir(labelled_files)
+    for options, count in (([], 7), (["-k", "9", "--seed", "3"], 9)):
+        assert main(["export", "own.ply", *options, "-o", "o.npz"]) == 0
+        with np.load("o.npz") as stored:
+            assert len(stored["triangle_starts"]) == count + 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -487,6 +495,8 @@ def test_split_command_segments_a_bare_mesh(labelled_files, monkeypatch):
         (["split", "own.ply", "--labels", "labels9.txt", "-o", "p"], "labels9.txt: labels must"),
         (["measure", "own.ply", "--labels", "labels9.txt"], "labels9.txt: labels must have one"),
         (["export", "half.ply", "-o", "o.npz"], "half.ply: labels must be whole numbers"),
+        (["export", "own.ply", "--threads", "1", "-o", "o.npz"], "own.ply has labels, which --th"),
+        (["split", "own.ply", "--seed", "3", "-o", "parts"], "segment the mesh anew with -k N"),
     ],
 )
 def test_commands_refuse_in_one_line(arguments, message, labelled_files, monkeypatch, capsys):

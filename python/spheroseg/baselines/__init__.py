@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spheroseg.dual_graph import DualGraph, build_dual_graph
+from spheroseg.errors import InputError
 
 __all__ = ["BASELINES", "Baseline", "DualGraph", "baseline_names", "build_dual_graph", "load"]
 
@@ -84,9 +85,9 @@ def baseline_names() -> list[str]:
 
 
 def load(name: str) -> Callable[..., np.ndarray]:
-    """The function of a baseline; raises ValueError for an unknown name and ImportError, naming
+    """The function of a baseline; raises InputError for an unknown name and ImportError, naming
     the package to install, when its library is absent."""
     if name not in BASELINES:
         known = ", ".join(BASELINES)
-        raise ValueError(f"no baseline is called '{name}'; known are {known}")
+        raise InputError(f"no baseline is called '{name}'; known are {known}")
     return importlib.import_module(f"{__name__}.{name}").segment

@@ -9,6 +9,7 @@ import numpy as np
 
 from spheroseg import packages
 from spheroseg.dual_graph import DualGraph, build_dual_graph
+from spheroseg.errors import InputError
 
 
 def require(package: str) -> ModuleType:
@@ -20,13 +21,13 @@ def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None)
     """Checks the arguments of every baseline and returns the dual graph."""
     face_count = len(faces)
     if not 1 <= k <= face_count:
-        raise ValueError(f"k must be in [1, {face_count}] (the triangle count), but is {k}")
+        raise InputError(f"k must be in [1, {face_count}] (the triangle count), but is {k}")
     if seed < 0:
-        raise ValueError(f"seed must be >= 0, but is {seed}")
+        raise InputError(f"seed must be >= 0, but is {seed}")
     if graph is None:
         return build_dual_graph(faces)
     if graph.face_count != face_count:
-        raise ValueError(
+        raise InputError(
             f"the dual graph has {graph.face_count} triangles, but the mesh has {face_count}"
         )
     return graph

@@ -70,6 +70,14 @@ def finished_record(job: Job) -> dict[str, Any] | None:
     return record
 
 
+def is_of_success(path: Path) -> bool:
+    """Is this the record of a mesh that was done? A damaged one may be."""
+    try:
+        return json.loads(path.read_text())["status"] == "done"
+    except (ValueError, KeyError, TypeError):
+        return True
+
+
 def run_job(job: Job) -> dict[str, Any]:
     """Does a job in a process of its own and returns its record; never raises for a bad mesh.
 

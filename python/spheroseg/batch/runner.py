@@ -2,6 +2,7 @@
 """Runs the jobs of a batch and writes the manifest."""
 
 import csv
+import errno
 import io
 import logging
 import shlex
@@ -19,6 +20,7 @@ from spheroseg.batch.jobs import (
     Job,
     failed_record,
     finished_record,
+    is_of_success,
     run_job,
     signal_running,
 )
@@ -60,8 +62,8 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
     """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
     one where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the
     first run, any file."""
-    has_results = any(path.is_file() for path in (folder / RECORD_FOLDER).rglob("*"))
-    if has_results and not resume:
+    records = list((folder / RECORD_FOLDER).rglob("*.json"))
+    if any(map(is_of_success, records)) and not resume:
         raise InputError(
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
             "changed, or name another folder"
@@ -73,7 +75,7 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
             raise InputError(
                 f"{path}: is an input, and {source} would replace it; name another output folder"
             )
-        if found and not has_results:
+        if found and not records:
             raise InputError(
                 f"{path}: is there already, and {source} would replace it; name another output "
                 "folder"
@@ -128,7 +130,7 @@ def run_all(
         for record in source:
             if record["status"] == "disk_full":
                 source.close()
-                raise atomic.DiskFullError(28, record["error"])
+                raise atomic.DiskFullError(errno.ENOSPC, record["error"])
             records[record["name"]] = record
             on_record(record)
     except KeyboardInterrupt as interrupt:

@@ -49,6 +49,8 @@ def main() -> int:
 
 def _record(job: Job) -> dict:
     began = time.perf_counter()
+    if not Path(job.mesh).is_file():
+        raise InputError("no such file")
     digest = sha256(Path(job.mesh))
     mesh_set = mesh_files.read_mesh(job.mesh)
     options = job.options | {"thread_count": job.thread_count}

@@ -92,11 +92,13 @@ def run(arguments) -> int:
 def _jobs(arguments, workers: int) -> list[Job]:
     options = _DEFAULTS | api.segment_parameters(segment_options(arguments))
     _check_ranges(options)
+    if options.get("device") == "cuda" and not arguments.scheduler:
+        api.segment(*api.TETRAHEDRON, 1, device="cuda")  # says what is missing
     # Several meshes at a time use the cores better than several threads on one mesh.
     threads = options.pop("thread_count", None)
     if threads is None:
         threads = 1 if arguments.scheduler else max(1, (cpu_count() or 1) // workers)
-    formats = tuple(f".{name}" for name in arguments.formats.split(","))
+    formats = tuple(f".{name}" for name in _formats(arguments))
     for name in formats:
         if name[1:] not in FORMATS:
             raise InputError(f"--formats knows {', '.join(FORMATS)}, but not '{name[1:]}'")
@@ -115,6 +117,10 @@ def _jobs(arguments, workers: int) -> list[Job]:
     ]
 
 
+def _formats(arguments) -> list[str]:
+    return [name.strip() for name in arguments.formats.split(",")]
+
+
 def _check_ranges(options: dict) -> None:
     """What is wrong for every mesh is said once, before the first."""
     for name, least in _LEAST.items():
@@ -124,7 +130,7 @@ def _check_ranges(options: dict) -> None:
 
 def _check_packages(arguments) -> None:
     """All that is missing is said before the first mesh."""
-    if "glb" in arguments.formats.split(","):
+    if "glb" in _formats(arguments):
         gltf_library()
     if arguments.manifest == "parquet":
         require("pyarrow", "--manifest parquet", "spheroseg[batch]")

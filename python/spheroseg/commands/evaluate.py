@@ -73,6 +73,12 @@ def run(arguments) -> int:
         console.print(f"failed: {failure}", markup=False, emoji=False)
     if not rows:
         raise InputError("no mesh could be evaluated")
+    if all(row["status"] == "left out" for row in rows):
+        first = rows[0]
+        raise InputError(
+            f"no method could run: {first['mesh']}, k = {first['submesh_count']}, "
+            f"{first['method']}: {first['error']}"
+        )
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
     runner.write_numbers(folder, rows, environment)
     print(report.write_report(folder, rows, environment, arguments.viewer_limit))

@@ -17,7 +17,7 @@ def add_arguments(parser) -> None:
     parser.add_argument(
         "--labels", metavar="LABELS.npy|.txt", help="labels, one per triangle (default: MESH's own)"
     )
-    group = parser.add_argument_group("to segment MESH first (when it has no labels)")
+    group = parser.add_argument_group("to segment MESH first, with -k or --triangles-per-submesh")
     count = group.add_mutually_exclusive_group()
     count.add_argument("-k", "--submesh-count", type=int, metavar="N", help="into N sub-meshes")
     count.add_argument(
@@ -56,7 +56,7 @@ def read(arguments) -> LabelledMesh:
 def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray:
     if arguments.labels:
         return shared.read_labels(arguments.labels, mesh_set)
-    if options:
+    if options.keys() & {"submesh_count", "triangles_per_submesh"}:
         shared.run_with_progress(
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
         )
@@ -64,5 +64,11 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray
         raise InputError(
             f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "
             "with --labels, or segment it with -k N"
+        )
+    elif options:
+        option = next(iter(options)).replace("_", "-")
+        raise InputError(
+            f"{arguments.mesh} has labels, which --{option} does not change; leave it out, or "
+            "segment the mesh anew with -k N"
         )
     return mesh_set.current_mesh().face_scalar_array()

@@ -17,7 +17,7 @@ def add_arguments(parser):
         "--submesh-count",
         type=int,
         metavar="N",
-        help="number of sub-meshes (200; fewer for meshes under 2,000 faces)",
+        help="number of sub-meshes (200, or ceil(F / 10) if that is less)",
     )
     count.add_argument(
         "--triangles-per-submesh", type=int, metavar="N", help="cut into ceil(F / N) sub-meshes"

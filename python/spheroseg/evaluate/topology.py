@@ -12,7 +12,7 @@ VERTEX_BYTES = 12
 TRIANGLE_BYTES = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Anatomy:
     """`boundary_edges` (n, 2): vertices of each edge between two sub-meshes, once.
     `bowtie_vertices`: one entry per bowtie. The others have an entry per sub-mesh."""
