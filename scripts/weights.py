@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compares balance by weight with METIS given the same weights: the table of docs/weights.md.
+"""Compares balance by weight with METIS given the same weights, and starts from the labels of
+others: the tables of docs/weights.md.
 
 Usage: .venv/bin/python scripts/weights.py
 
 PyMeshLab's samples cow and bunny, k = 200 and F/64, medians of seeds 1 to 5: areas, and random
 whole weights from 1 to 10. METIS: k-way, contiguous, vertex weights (areas as multiples of 1e-6 of
-their sum), other options default.
+their sum), other options default. Starts: displaced_sphere of sample_meshes, k = 60, seeds 1 and 2.
 """
 
 from __future__ import annotations
@@ -21,9 +22,11 @@ import pymetis
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
 
 import spheroseg  # noqa: E402
+from spheroseg.baselines import load  # noqa: E402
 from spheroseg.dual_graph import build_dual_graph  # noqa: E402
 
 SEEDS = range(1, 6)
+REPOSITORY = Path(__file__).resolve().parents[1]
 SAMPLES = Path(pymeshlab.__path__[0]) / "tests" / "sample_meshes"
 
 
@@ -67,6 +70,19 @@ def row(name: str, kind: str, vertices, faces, weights, k: int) -> str:
     return "| " + " | ".join([*cells, f"{lightest_possible:.3f}"]) + " |"
 
 
+def start_row(vertices, faces, method: str, k: int) -> str:
+    cells = [[], [], [], []]
+    for seed in (1, 2):
+        given = load(method)(vertices, faces, k, seed)
+        result = spheroseg.segment(vertices, faces, initial_labels=given, seed=seed)
+        before = spheroseg.measure(vertices, faces, given)
+        cells[0].append(f"{before['boundary_edge_count']:,}")
+        cells[1].append(str(before["max_triangle_count_difference"]))
+        cells[2].append(str(result.measures["boundary_edge_count"]))
+        cells[3].append(f"{100 * np.mean(result.labels == given):.0f} %")
+    return f"| {method} | " + " | ".join(", ".join(cell) for cell in cells) + " |"
+
+
 def main() -> None:
     print("| mesh | F | k | weights | ours: heaviest / mean | BE | METIS | BE | no less than |")
     print("|---|---|---|---|---|---|---|---|---|")
@@ -79,6 +95,13 @@ def main() -> None:
         for k in (200, -(-len(faces) // 64)):
             for kind, weights in (("area", face_areas(vertices, faces)), ("1 to 10", random)):
                 print(row(name, kind, vertices, faces, weights, k), flush=True)
+    print("\n| start | its BE | its difference of counts | BE | kept |")
+    print("|---|---|---|---|---|")
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(REPOSITORY / "sample_meshes" / "displaced_sphere.ply"))
+    mesh = meshes.current_mesh()
+    for method in ("metis_kway", "metis_recursive", "region_growing"):
+        print(start_row(mesh.vertex_matrix(), mesh.face_matrix(), method, 60), flush=True)
 
 
 if __name__ == "__main__":
