@@ -110,13 +110,31 @@ private:
         for (auto first = order.begin(); first != order.end();) {
             const auto end = std::find_if(
                 first, order.end(), [&](int i) { return begin_of(i) != begin_of(*first); });
-            for (auto i = first; i != end; ++i) {
-                const int last = end_of_fan(sides_[*i]);
-                if (last >= 0) {
-                    next_[last] = i + 1 == end ? *first : *(i + 1);
-                }
-            }
+            join_fans_that_begin({first, end});
             first = end;
+        }
+    }
+
+    /// `begins`: the sides at which the fans of a vertex begin. Fans that meet at an edge with more
+    /// than two faces stay apart: together they would have a neighbour twice.
+    void join_fans_that_begin(const std::vector<int>& begins) {
+        std::vector<int> ends;
+        std::vector<int> neighbors;
+        for (int begin : begins) {
+            ends.push_back(end_of_fan(sides_[begin]));
+            neighbors.push_back(sides_[begin].to);
+            if (ends.back() >= 0) {
+                neighbors.push_back(sides_[ends.back()].from);
+            }
+        }
+        std::sort(neighbors.begin(), neighbors.end());
+        if (std::adjacent_find(neighbors.begin(), neighbors.end()) != neighbors.end()) {
+            return;
+        }
+        for (std::size_t i = 0; i < ends.size(); ++i) {
+            if (ends[i] >= 0) {
+                next_[ends[i]] = begins[(i + 1) % begins.size()];
+            }
         }
     }
 
@@ -143,33 +161,39 @@ private:
     }
 
     void cap() {
+        if (loop_.size() == 3) {
+            cap_by_triangle();
+        } else if (loop_.size() > 3) {
+            cap_by_fan();
+        }
+    }
+
+    void cap_by_triangle() {
+        const auto cap = static_cast<int>(mesh_.faces.size());
+        const Side& a = sides_[loop_[0]];
+        const Side& b = sides_[loop_[1]];
+        const Side& c = sides_[loop_[2]];
+        mesh_.faces.push_back({{a.to, a.from, c.from}, {a.face, c.face, b.face}, 0, -1});
+        for (const Side& side : {a, b, c}) {
+            mesh_.faces[side.face].neighbors[side.corner] = cap;
+            mesh_.vertices[side.from].degree += 1;
+        }
+    }
+
+    void cap_by_fan() {
         const auto count = static_cast<int>(loop_.size());
         const auto first = static_cast<int>(mesh_.faces.size());
-        if (count < 3) {
-            return;
-        }
-        const bool is_triangle = count == 3;
-        if (is_triangle) {
-            const Side& a = sides_[loop_[0]];
-            const Side& b = sides_[loop_[1]];
-            const Side& c = sides_[loop_[2]];
-            mesh_.faces.push_back({{a.to, a.from, c.from}, {a.face, c.face, b.face}, 0, -1});
-        } else {
-            const auto center = static_cast<int>(mesh_.vertices.size());
-            mesh_.vertices.push_back({first, count, 0, -1});
-            for (int i = 0; i < count; ++i) {
-                const Side& side = sides_[loop_[i]];
-                mesh_.faces.push_back(
-                    {{side.to, side.from, center},
-                     {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
-                     0,
-                     -1});
-            }
-        }
+        const auto center = static_cast<int>(mesh_.vertices.size());
+        mesh_.vertices.push_back({first, count, 0, -1});
         for (int i = 0; i < count; ++i) {
             const Side& side = sides_[loop_[i]];
-            mesh_.faces[side.face].neighbors[side.corner] = is_triangle ? first : first + i;
-            mesh_.vertices[side.from].degree += is_triangle ? 1 : 2;
+            mesh_.faces.push_back(
+                {{side.to, side.from, center},
+                 {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
+                 0,
+                 -1});
+            mesh_.faces[side.face].neighbors[side.corner] = first + i;
+            mesh_.vertices[side.from].degree += 2;
         }
     }
 

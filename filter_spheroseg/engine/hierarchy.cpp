@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kSerialSize = 4000;
 constexpr int kSelectionPasses = 2;
-/// Holes may close where there are fewer faces for each.
-constexpr int kFacesPerHole = 40;
+/// Holes may close where there are fewer faces for each face of a cap.
+constexpr int kFacesPerCapFace = 40;
 
 /// Which vertices a round may remove. Looser after a round that removed few.
 struct Limits {
@@ -46,7 +46,7 @@ public:
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
           face_count_(mesh.face_count()), keys_(mesh_.vertices.size()),
           states_(mesh_.vertices.size(), kOpen), is_loser_(mesh_.vertices.size(), 0),
-          live_faces_(mesh_.faces.size()) {
+          is_stuck_(mesh_.vertices.size(), 0), live_faces_(mesh_.faces.size()) {
         std::iota(live_faces_.begin(), live_faces_.end(), 0);
         for (int v = 0; v < static_cast<int>(mesh_.vertices.size()); ++v) {
             if (mesh_.vertices[v].degree > 0) {
@@ -67,6 +67,8 @@ private:
     void select_vertices();
     int append_round();
     void drop_removed();
+    void mark_stuck();
+    void free_stuck();
     bool has_many_holes() const;
     void collect_base();
 
@@ -78,6 +80,9 @@ private:
     std::vector<std::uint64_t> keys_;
     std::vector<unsigned char> states_;
     std::vector<unsigned char> is_loser_;
+    /// Vertices without a target: they must not keep their neighbours from being removed.
+    std::vector<int> stuck_;
+    std::vector<unsigned char> is_stuck_;
     std::vector<int> live_faces_;
     CollapseRound round_;
     CollapseHierarchy result_;
@@ -101,7 +106,7 @@ bool Builder::rank_vertices(const Limits& limits) {
         const bool fits = vertex.degree <= limits.max_degree &&
             vertex.weight <= limits.max_weight_ratio * mean_weight;
         const bool is_removable = mesh_.is_removable(v);
-        states_[v] = fits && is_removable ? kOpen : kClosed;
+        states_[v] = fits && is_removable && !is_stuck_[v] ? kOpen : kClosed;
         complete = complete && (fits || !is_removable);
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
         keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
@@ -221,10 +226,24 @@ void Builder::drop_removed() {
                       live_faces_.end());
 }
 
+void Builder::mark_stuck() {
+    for (int v : round_.vertex) {
+        is_stuck_[v] = 1;
+        stuck_.push_back(v);
+    }
+}
+
+void Builder::free_stuck() {
+    for (int v : stuck_) {
+        is_stuck_[v] = 0;
+    }
+    stuck_.clear();
+}
+
 bool Builder::has_many_holes() const {
     const auto cap_faces =
         live_faces_.end() - std::lower_bound(live_faces_.begin(), live_faces_.end(), face_count_);
-    return cap_faces * kFacesPerHole > static_cast<std::ptrdiff_t>(live_faces_.size());
+    return cap_faces * kFacesPerCapFace > static_cast<std::ptrdiff_t>(live_faces_.size());
 }
 
 void Builder::collect_base() {
@@ -253,8 +272,13 @@ CollapseHierarchy Builder::build(const Progress& progress) {
         const int vertex_count = static_cast<int>(alive_.size());
         const int removed = append_round();
         drop_removed();
-        if (removed == 0 && complete && limits.may_close_holes) {
+        if (round_.vertex.empty() && complete && limits.may_close_holes) {
             break;
+        }
+        if (removed == 0) {
+            mark_stuck();
+        } else {
+            free_stuck();
         }
         if (removed < vertex_count / 10 || removed == 0) {
             limits.loosen();

@@ -10,7 +10,7 @@
 namespace spheroseg {
 
 /// A coarse version of a mesh, or the mesh itself: how its cells are linked. A cell stands for
-/// connected faces of the mesh.
+/// faces of the mesh that are connected, if need be across holes that are closed.
 struct Level {
     std::vector<std::array<NeighborSide, 3>> sides;
     /// Cell i stands for the cells [begin[i], begin[i + 1]) of the finest level; empty there.

@@ -210,8 +210,10 @@ bool is_tetrahedron(const std::vector<Triangle>& triangles) {
         std::unique(vertices.begin(), vertices.end()) - vertices.begin() == 4;
 }
 
-void check_base(const CollapseHierarchy& hierarchy) {
-    if (!is_tetrahedron(hierarchy.base_triangles)) {
+void check_base(const CollapseHierarchy& hierarchy, int face_count) {
+    // Where holes were closed there are more steps.
+    const bool was_closed = face_count - 2 * hierarchy.step_count() == 4;
+    if (!was_closed || !is_tetrahedron(hierarchy.base_triangles)) {
         throw InvalidInput("Expected one closed surface of genus 0, which collapses to a "
                            "tetrahedron; " +
                            std::to_string(hierarchy.base_faces.size()) +
@@ -226,7 +228,7 @@ Parametrization parametrize(const TriangleMesh& mesh,
                             const CollapseHierarchy& hierarchy,
                             int thread_count,
                             const Progress& progress) {
-    check_base(hierarchy);
+    check_base(hierarchy, mesh.face_count());
     const int threads = resolve_thread_count(thread_count);
     const Progress rising = rising_progress(progress);
     for (const Attempt& attempt : kAttempts) {

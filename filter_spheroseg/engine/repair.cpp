@@ -350,7 +350,12 @@ int repair(Patchwork& patchwork) {
 }
 
 int repair_unsound(Patchwork& patchwork) {
-    return Repair(patchwork, sound_submeshes(patchwork)).run();
+    std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
+    if (std::find(sound.begin(), sound.end(), 0) == sound.end()) {
+        sum_loads(patchwork);
+        return 0;
+    }
+    return Repair(patchwork, std::move(sound)).run();
 }
 
 } // namespace spheroseg

@@ -111,6 +111,7 @@ TEST(Parametrization, RejectsSurfacesThatAreNotOneClosedSphere) {
     }
     two.positions.resize(12);
     EXPECT_THROW(map_of(two), InvalidInput);
+    EXPECT_THROW(map_of(test::pinholed(test::icosphere(3), 30)), InvalidInput);
 }
 
 TEST(Parametrization, ReportsRisingProgressAndCanBeCancelled) {
