@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Binary PLY files with per-vertex and per-face properties.
 
-Written here and not by MeshLab because MeshLab's writer does not report a full disk.
+Written here and not by MeshLab, whose writer neither reports a full disk nor takes properties
+of other names.
 """
 
 from __future__ import annotations

@@ -26,7 +26,8 @@ def render_labels(
     are seen from both sides.
 
     vertices: (V, 3) float; faces: (F, 3) int; labels: (F,) int; face_colors: (F, 3) in [0, 1].
-    Returns (height, width, 3) uint8 for size = (width, height). O(F + pixels).
+    Returns (height, width, 3) uint8 for size = (width, height). O(F + pixels of the boxes around
+    the faces).
     """
     width, height = (SUPERSAMPLING * pixels for pixels in size)
     points = _project(np.asarray(vertices, float), np.asarray(view, float), up, width, height)

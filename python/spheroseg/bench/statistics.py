@@ -64,7 +64,6 @@ class Summary:
     triangle_count: int
     submesh_count: int
     method: str
-    run_count: int
     invalid_count: int
     boundary_edge_count: float
     boundary_edges_over_hexagonal: float
@@ -164,7 +163,6 @@ def _summary(group: list[dict]) -> Summary:
         triangle_count=first["triangle_count"],
         submesh_count=first["submesh_count"],
         method=first["method"],
-        run_count=len(group),
         invalid_count=sum(not is_valid(row) for row in group),
         boundary_edge_count=edges,
         boundary_edges_over_hexagonal=edges / hexagonal,
