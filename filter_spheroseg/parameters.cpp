@@ -65,13 +65,14 @@ void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& 
     parameters.addParam(RichInt("max_cohesion_iterations",
                                 defaults.max_cohesion_iterations,
                                 "Limit of cohesion iterations",
-                                "Stop the cohesion after so many iterations. 0: until converged.",
+                                "Stop the cohesion after so many iterations; the method fast then "
+                                "makes one start instead of several. 0: until converged.",
                                 kAdvanced));
     parameters.addParam(RichInt("max_refinement_iterations",
                                 defaults.max_refinement_iterations,
                                 "Limit of refinement iterations",
-                                "Stop the refinement after so many iterations. 0: until "
-                                "converged.",
+                                "Stop the refinement after so many iterations; the method fast "
+                                "then makes one start instead of several. 0: until converged.",
                                 kAdvanced));
     parameters.addParam(RichFloat("time_limit_seconds",
                                   Scalarm(defaults.time_limit_seconds),
