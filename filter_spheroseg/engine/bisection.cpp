@@ -6,14 +6,23 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <numeric>
 
 namespace spheroseg {
 
 namespace {
 
-/// Below this many faces a part is not worth a task of its own.
-constexpr int kTaskFaces = 2048;
+/// Up to so many faces a part is cut all the way by one thread.
+constexpr int kSmallPart = 8192;
+
+/// The faces [begin, end) of the order have label `label` and are to be cut into `count` parts.
+struct Part {
+    int begin;
+    int end;
+    int label;
+    int count;
+};
 
 class Bisection {
 public:
@@ -34,22 +43,27 @@ public:
         sum_loads(patchwork);
     }
 
-    /// The faces order_[begin, end) have label `label` and are to be parted into `parts`.
-    void split(int begin, int end, int label, int parts) {
-        while (parts > 1) {
-            const int face_count = end - begin;
-            const int left_parts = parts / 2;
-            const int right_parts = parts - left_parts;
-            const int right_label = label + left_parts;
-            const int middle = cut(begin, end, label, parts, right_label);
-            if (face_count > kTaskFaces) {
-#pragma omp task default(shared) firstprivate(middle, end, right_label, right_parts)
-                split(middle, end, right_label, right_parts);
-            } else {
-                split(middle, end, right_label, right_parts);
+    /// Cuts all faces into parts, each part of a round in two, side by side.
+    void cut_all(int count, int thread_count) {
+        std::vector<Part> parts{{0, patchwork_.face_count(), 0, count}};
+        while (!parts.empty()) {
+            const auto part_count = static_cast<int>(parts.size());
+            std::vector<std::array<Part, 2>> halves(parts.size());
+#pragma omp parallel for schedule(dynamic, 1) num_threads(std::min(thread_count, part_count))
+            for (int i = 0; i < part_count; ++i) {
+                if (thread_count == 1 || parts[i].end - parts[i].begin <= kSmallPart) {
+                    cut_all_the_way(parts[i]);
+                } else {
+                    halves[i] = cut_in_halves(parts[i]);
+                }
             }
-            end = middle;
-            parts = left_parts;
+            parts.clear();
+            for (const std::array<Part, 2>& two : halves) {
+                std::copy_if(two.begin(),
+                             two.end(),
+                             std::back_inserter(parts),
+                             [](const Part& part) { return part.count > 1; });
+            }
         }
     }
 
@@ -80,6 +94,22 @@ public:
 
 private:
     static constexpr int kNowhere = -1;
+
+    void cut_all_the_way(Part part) {
+        while (part.count > 1) {
+            const std::array<Part, 2> halves = cut_in_halves(part);
+            cut_all_the_way(halves[1]);
+            part = halves[0];
+        }
+    }
+
+    std::array<Part, 2> cut_in_halves(const Part& part) {
+        const int left_count = part.count / 2;
+        const int right_label = part.label + left_count;
+        const int middle = cut(part.begin, part.end, part.label, part.count, right_label);
+        return {{{part.begin, middle, part.label, left_count},
+                 {middle, part.end, right_label, part.count - left_count}}};
+    }
 
     /// Cuts the faces order_[begin, end), which have label `label`, into parts / 2 and the rest of
     /// its parts, which get another label. Returns where that begins.
@@ -177,10 +207,7 @@ void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thr
     Bisection bisection(patchwork, seed, thread_count);
     const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel num_threads(threads)
-#pragma omp single
-    bisection.split(0, face_count, 0, submesh_count);
-
+    bisection.cut_all(submesh_count, threads);
     bisection.give_labels(patchwork, submesh_count, thread_count);
 }
 

@@ -23,12 +23,12 @@ const TriangleMesh& large_mesh() {
     return mesh;
 }
 
-void expect_same_labels(SegmentOptions options) {
+void expect_same_labels(SegmentOptions options, const TriangleMesh& mesh = large_mesh()) {
     options.thread_count = 1;
-    PreparedMesh alone(large_mesh(), 1);
+    PreparedMesh alone(mesh, 1);
     const std::vector<int> expected = segment(alone, options).labels;
     options.thread_count = kThreads;
-    PreparedMesh together(large_mesh(), kThreads);
+    PreparedMesh together(mesh, kThreads);
     EXPECT_EQ(segment(together, options).labels, expected);
 }
 
@@ -50,6 +50,12 @@ TEST(AllThreads, FastFromTrials) {
     options.submesh_count = 20;
     options.effort = Effort::draft;
     expect_same_labels(options);
+}
+
+TEST(AllThreads, FastAmongHoles) {
+    SegmentOptions options = short_options(60);
+    options.effort = Effort::draft;
+    expect_same_labels(options, pinholed(large_mesh(), 20));
 }
 
 TEST(AllThreads, FastOfManySubmeshes) {
