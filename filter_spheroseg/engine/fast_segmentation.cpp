@@ -345,8 +345,8 @@ private:
                                    std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
     }
 
-    /// The least cells that the first level may have; more, still of the same level, where holes
-    /// keep the mesh from being coarsened.
+    /// The least cells that the first level may have; more, still of the same level, where there is
+    /// none so coarse.
     int first_face_count() const {
         const int least = coarse_face_count();
         return multilevel_ == nullptr
