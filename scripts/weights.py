@@ -19,15 +19,22 @@ import numpy as np
 import pymeshlab
 import pymetis
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "python"))
+REPOSITORY = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(REPOSITORY / "python"))
 
 import spheroseg  # noqa: E402
+from spheroseg import mesh_files  # noqa: E402
 from spheroseg.baselines import load  # noqa: E402
 from spheroseg.dual_graph import build_dual_graph  # noqa: E402
 
 SEEDS = range(1, 6)
-REPOSITORY = Path(__file__).resolve().parents[1]
 SAMPLES = Path(pymeshlab.__path__[0]) / "tests" / "sample_meshes"
+
+
+def read(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    mesh_set = mesh_files.read_mesh(path)
+    mesh = mesh_set.current_mesh()
+    return mesh.vertex_matrix(), mesh.face_matrix()
 
 
 def face_areas(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -87,21 +94,16 @@ def main() -> None:
     print("| mesh | F | k | weights | ours: heaviest / mean | BE | METIS | BE | no less than |")
     print("|---|---|---|---|---|---|---|---|---|")
     for name in ("cow.obj", "bunny.obj"):
-        meshes = pymeshlab.MeshSet()
-        meshes.load_new_mesh(str(SAMPLES / name))
-        vertices = meshes.current_mesh().vertex_matrix()
-        faces = meshes.current_mesh().face_matrix()
+        vertices, faces = read(SAMPLES / name)
         random = np.random.default_rng(1).integers(1, 11, len(faces)).astype(float)
         for k in (200, -(-len(faces) // 64)):
             for kind, weights in (("area", face_areas(vertices, faces)), ("1 to 10", random)):
                 print(row(name, kind, vertices, faces, weights, k), flush=True)
     print("\n| start | its BE | its difference of counts | BE | kept |")
     print("|---|---|---|---|---|")
-    meshes = pymeshlab.MeshSet()
-    meshes.load_new_mesh(str(REPOSITORY / "sample_meshes" / "displaced_sphere.ply"))
-    mesh = meshes.current_mesh()
+    vertices, faces = read(REPOSITORY / "sample_meshes" / "displaced_sphere.ply")
     for method in ("metis_kway", "metis_recursive", "region_growing"):
-        print(start_row(mesh.vertex_matrix(), mesh.face_matrix(), method, 60), flush=True)
+        print(start_row(vertices, faces, method, 60), flush=True)
 
 
 if __name__ == "__main__":

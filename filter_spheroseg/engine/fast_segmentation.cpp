@@ -317,10 +317,6 @@ private:
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
         patchwork.may_close_rings = start == 0 || any_valid_;
         forced_faces_ = repair(patchwork);
-        if (forced_faces_ > 0 && !patchwork.may_close_rings) {
-            patchwork.may_close_rings = true;
-            forced_faces_ = repair(patchwork);
-        }
         return patchwork;
     }
 

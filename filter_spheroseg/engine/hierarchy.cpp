@@ -46,7 +46,7 @@ public:
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
           face_count_(mesh.face_count()), keys_(mesh_.vertices.size()),
           states_(mesh_.vertices.size(), kOpen), is_loser_(mesh_.vertices.size(), 0),
-          is_stuck_(mesh_.vertices.size(), 0), live_faces_(mesh_.faces.size()) {
+          stuck_at_(mesh_.vertices.size(), -1), live_faces_(mesh_.faces.size()) {
         std::iota(live_faces_.begin(), live_faces_.end(), 0);
         for (int v = 0; v < static_cast<int>(mesh_.vertices.size()); ++v) {
             if (mesh_.vertices[v].degree > 0) {
@@ -67,8 +67,6 @@ private:
     void select_vertices();
     int append_round();
     void drop_removed();
-    void mark_stuck();
-    void free_stuck();
     bool has_many_holes() const;
     void collect_base();
 
@@ -80,9 +78,9 @@ private:
     std::vector<std::uint64_t> keys_;
     std::vector<unsigned char> states_;
     std::vector<unsigned char> is_loser_;
-    /// Vertices without a target: they must not keep their neighbours from being removed.
-    std::vector<int> stuck_;
-    std::vector<unsigned char> is_stuck_;
+    /// The number of rounds done when a vertex had no target: until the next one it must not keep
+    /// its neighbours from being removed.
+    std::vector<int> stuck_at_;
     std::vector<int> live_faces_;
     CollapseRound round_;
     CollapseHierarchy result_;
@@ -106,7 +104,8 @@ bool Builder::rank_vertices(const Limits& limits) {
         const bool fits = vertex.degree <= limits.max_degree &&
             vertex.weight <= limits.max_weight_ratio * mean_weight;
         const bool is_removable = mesh_.is_removable(v);
-        states_[v] = fits && is_removable && !is_stuck_[v] ? kOpen : kClosed;
+        states_[v] =
+            fits && is_removable && stuck_at_[v] != result_.round_count() ? kOpen : kClosed;
         complete = complete && (fits || !is_removable);
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
         keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
@@ -226,20 +225,6 @@ void Builder::drop_removed() {
                       live_faces_.end());
 }
 
-void Builder::mark_stuck() {
-    for (int v : round_.vertex) {
-        is_stuck_[v] = 1;
-        stuck_.push_back(v);
-    }
-}
-
-void Builder::free_stuck() {
-    for (int v : stuck_) {
-        is_stuck_[v] = 0;
-    }
-    stuck_.clear();
-}
-
 bool Builder::has_many_holes() const {
     const auto cap_faces =
         live_faces_.end() - std::lower_bound(live_faces_.begin(), live_faces_.end(), face_count_);
@@ -275,10 +260,8 @@ CollapseHierarchy Builder::build(const Progress& progress) {
         if (round_.vertex.empty() && complete && limits.may_close_holes) {
             break;
         }
-        if (removed == 0) {
-            mark_stuck();
-        } else {
-            free_stuck();
+        for (int i = 0; i < round_.size() && removed == 0; ++i) {
+            stuck_at_[round_.vertex[i]] = result_.round_count();
         }
         if (removed < vertex_count / 10 || removed == 0) {
             limits.loosen();

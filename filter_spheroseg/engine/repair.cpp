@@ -14,8 +14,8 @@ namespace {
 class Repair {
 public:
     /// Sub-meshes with a non-zero entry in `sound` keep all their faces.
-    Repair(Patchwork& patchwork, std::vector<std::uint8_t> sound)
-        : patchwork_(patchwork), sound_(std::move(sound)) {}
+    Repair(Patchwork& patchwork, const std::vector<std::uint8_t>& sound)
+        : patchwork_(patchwork), sound_(sound) {}
 
     int run() {
         keep_cores();
@@ -335,7 +335,7 @@ private:
     }
 
     Patchwork& patchwork_;
-    const std::vector<std::uint8_t> sound_;
+    const std::vector<std::uint8_t>& sound_;
     std::vector<int> queue_;
     /// Faces that could not join the core alone.
     std::vector<int> refused_;
@@ -343,19 +343,27 @@ private:
     int donor_ = -1;
 };
 
+/// Returns false where they were allowed already.
+bool allow_rings(Patchwork& patchwork) {
+    return !std::exchange(patchwork.may_close_rings, true);
+}
+
 } // namespace
 
 int repair(Patchwork& patchwork) {
-    return Repair(patchwork, std::vector<std::uint8_t>(patchwork.submesh_count(), 0)).run();
+    const std::vector<std::uint8_t> none(patchwork.submesh_count(), 0);
+    const int forced = Repair(patchwork, none).run();
+    return forced > 0 && allow_rings(patchwork) ? repair(patchwork) : forced;
 }
 
 int repair_unsound(Patchwork& patchwork) {
-    std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
-    if (std::find(sound.begin(), sound.end(), 0) == sound.end()) {
+    const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
+    if (are_all_sound(sound)) {
         sum_loads(patchwork);
         return 0;
     }
-    return Repair(patchwork, std::move(sound)).run();
+    const int forced = Repair(patchwork, sound).run();
+    return forced > 0 && allow_rings(patchwork) ? repair_unsound(patchwork) : forced;
 }
 
 } // namespace spheroseg

@@ -105,11 +105,6 @@ void uncoarsen(Patchwork& patchwork,
     if (opened || forced_faces > 0) {
         forced_faces = repair_unsound(patchwork);
     }
-    if (forced_faces > 0 && !patchwork.may_close_rings) {
-        // Around the holes, if not otherwise.
-        patchwork.may_close_rings = true;
-        forced_faces = repair_unsound(patchwork);
-    }
 }
 
 } // namespace spheroseg

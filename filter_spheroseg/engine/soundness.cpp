@@ -73,9 +73,12 @@ std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
     return sound;
 }
 
+bool are_all_sound(const std::vector<std::uint8_t>& sound_submeshes) {
+    return std::find(sound_submeshes.begin(), sound_submeshes.end(), 0) == sound_submeshes.end();
+}
+
 bool is_sound(const Patchwork& patchwork) {
-    const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
-    return std::find(sound.begin(), sound.end(), 0) == sound.end();
+    return are_all_sound(sound_submeshes(patchwork));
 }
 
 } // namespace spheroseg

@@ -11,6 +11,8 @@ namespace spheroseg {
 /// a sub-mesh. O(F).
 std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork);
 
+bool are_all_sound(const std::vector<std::uint8_t>& sound_submeshes);
+
 /// Is that so for all of them?
 bool is_sound(const Patchwork& patchwork);
 

@@ -27,6 +27,12 @@ _STL_FACE_BYTES = 50
 _STL_SAMPLE_BYTES = 1000
 
 
+def check_is_file(path: Path) -> None:
+    """Raises InputError where there is no file."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+
+
 def check_name(path: Path) -> None:
     """Raises InputError for a name that is not UTF-8: PyMeshLab and tables take no other."""
     try:

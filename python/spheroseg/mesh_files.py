@@ -13,7 +13,7 @@ import pymeshlab
 from spheroseg import atomic
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_name, checked_triangle_count
+from spheroseg.file_checks import check_is_file, check_name, checked_triangle_count
 
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
@@ -27,8 +27,7 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     """
     path = Path(path)
     check_name(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    check_is_file(path)
     expected = checked_triangle_count(path)
     mesh_set = pymeshlab.MeshSet()
     try:
@@ -106,8 +105,7 @@ def read_weights(path: str | os.PathLike) -> np.ndarray:
 
 def _read_numbers(path: str | os.PathLike, name: str) -> np.ndarray:
     path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    check_is_file(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # an empty file, a size that overflows

@@ -40,15 +40,14 @@ TEST(Fast, FindsTheRingsOfATorus) {
 TEST(Fast, FindsShortBoundariesAmongManyHoles) {
     // With holes that stay open on coarse levels they are two to three times as long.
     const TriangleMesh whole = flipped_sphere(6, 40000);
-    for (const TriangleMesh& mesh : {pinholed(whole, 60), sieve(whole, 0.02, 1)}) {
-        for (int k : {2, 5}) {
-            PreparedMesh without(whole, 2);
+    PreparedMesh without(whole, 2);
+    for (int k : {2, 5}) {
+        const int edges = segment(without, fast_options(k)).measures.boundary_edge_count;
+        for (const TriangleMesh& mesh : {pinholed(whole, 60), sieve(whole, 0.02, 1)}) {
             PreparedMesh with(mesh, 2);
             const Segmentation result = segment(with, fast_options(k));
             EXPECT_TRUE(result.is_valid());
-            EXPECT_LE(result.measures.boundary_edge_count,
-                      1.1 * segment(without, fast_options(k)).measures.boundary_edge_count)
-                << k;
+            EXPECT_LE(result.measures.boundary_edge_count, 1.1 * edges) << k;
         }
     }
 }

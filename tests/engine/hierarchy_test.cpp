@@ -168,6 +168,19 @@ void expect_faces(const test::Replay& undone, const TriangleMesh& mesh) {
     }
 }
 
+std::set<int> border_vertices(const TriangleMesh& mesh) {
+    const DualGraph graph = build_dual_graph(mesh, 1);
+    std::set<int> on_border;
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            if (graph.neighbors[f][c] < 0) {
+                on_border.insert({mesh.faces[f][c], mesh.faces[f][(c + 1) % 3]});
+            }
+        }
+    }
+    return on_border;
+}
+
 TEST(Hierarchy, ShortensBordersThenClosesHoles) {
     for (const TriangleMesh& mesh : {test::open_grid(20),
                                      test::grid_with_holes(24),
@@ -188,6 +201,12 @@ TEST(Hierarchy, ShortensBordersThenClosesHoles) {
             EXPECT_EQ(faces_of_components(build_dual_graph(left, 1)).size(), 1u);
             for (int i = hierarchy.round_begin[r + 1] - 1; i >= hierarchy.round_begin[r]; --i) {
                 ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+            }
+            const std::set<int> on_border =
+                border_vertices(replay.living_mesh(mesh.vertex_count()));
+            for (int i = hierarchy.round_begin[r]; i < hierarchy.round_begin[r + 1]; ++i) {
+                EXPECT_TRUE(on_border.count(hierarchy.vertex[i]) == 0 ||
+                            on_border.count(hierarchy.target[i]) == 1);
             }
         }
         EXPECT_LE(loops, expected.loops);

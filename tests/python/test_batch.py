@@ -190,6 +190,14 @@ def test_a_run_without_a_result_leaves_the_folder_free(tmp_path, capsys):
     assert [row["status"] for row in rows(tmp_path / "out")] == ["done"]
 
 
+def test_a_folder_may_be_called_like_a_record(tmp_path, capsys):
+    write_mesh(tmp_path / "in" / "scans.json" / "a.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "3"]
+    assert main(arguments) == 0
+    assert main(arguments) == 2
+    assert "add --resume" in capsys.readouterr().err
+
+
 def test_formats_may_have_blanks_between_them(tmp_path):
     write_mesh(tmp_path / "a.ply")
     output = tmp_path / "out"

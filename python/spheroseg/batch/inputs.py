@@ -9,7 +9,7 @@ from pathlib import Path
 
 from spheroseg import atomic
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_name
+from spheroseg.file_checks import check_is_file, check_name
 
 MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
 _COUNT_COLUMNS = ("submesh_count", "k")
@@ -69,8 +69,7 @@ def _is_result(path: Path, searched: Path, output: Path | None) -> bool:
 
 
 def _from_csv(path: Path):
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    check_is_file(path)
     try:
         yield from _csv_rows(path)
     except (UnicodeDecodeError, csv.Error) as error:

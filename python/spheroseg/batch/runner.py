@@ -62,8 +62,8 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
     """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
     one where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the
     first run, any file."""
-    records = list((folder / RECORD_FOLDER).rglob("*.json"))
-    if any(map(is_of_success, records)) and not resume:
+    records = [path for path in (folder / RECORD_FOLDER).rglob("*.json") if path.is_file()]
+    if not resume and any(map(is_of_success, records)):
         raise InputError(
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
             "changed, or name another folder"

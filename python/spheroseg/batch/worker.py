@@ -22,6 +22,7 @@ from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, 
 from spheroseg.commands.shared import plain
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
+from spheroseg.file_checks import check_is_file
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
 
@@ -49,8 +50,7 @@ def main() -> int:
 
 def _record(job: Job) -> dict:
     began = time.perf_counter()
-    if not Path(job.mesh).is_file():
-        raise InputError("no such file")
+    check_is_file(Path(job.mesh))
     digest = sha256(Path(job.mesh))
     mesh_set = mesh_files.read_mesh(job.mesh)
     options = job.options | {"thread_count": job.thread_count}
