@@ -55,11 +55,17 @@ edge_adjacency(const DualGraph& dual_graph, const std::vector<int>& labels, int 
 /// left out: they can not all differ.
 Adjacency
 vertex_adjacency(const TriangleMesh& mesh, const std::vector<int>& labels, int submesh_count) {
+    // Of the vertices with several labels only: pairs of vertex and label.
     std::vector<std::pair<int, int>> corners;
-    corners.reserve(3 * mesh.faces.size());
+    std::vector<int> first_label(mesh.positions.size(), -1);
     for (int f = 0; f < mesh.face_count(); ++f) {
         for (int v : mesh.faces[f]) {
-            corners.emplace_back(v, labels[f]);
+            if (first_label[v] < 0) {
+                first_label[v] = labels[f];
+            } else if (first_label[v] != labels[f]) {
+                corners.emplace_back(v, first_label[v]);
+                corners.emplace_back(v, labels[f]);
+            }
         }
     }
     std::sort(corners.begin(), corners.end());

@@ -14,7 +14,8 @@ extern const std::array<Rgb, 8> kPalette;
 /// A colour index for each sub-mesh, different for any two sub-meshes that share an edge; two that
 /// share only a vertex differ too where the palette has a colour left. Where the sub-meshes are
 /// connected (their graph is planar) the palette suffices. Does not depend on threads.
-/// `labels`: one per face, each in [0, submesh_count). O(F log F).
+/// `labels`: one per face, each in [0, submesh_count). O(F + b log b) for b corners at
+/// boundaries of sub-meshes.
 std::vector<int> color_submeshes(const TriangleMesh& mesh,
                                  const DualGraph& dual_graph,
                                  const std::vector<int>& labels,
