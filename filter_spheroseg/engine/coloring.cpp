@@ -7,8 +7,8 @@
 
 namespace spheroseg {
 
-// Found by a random search that maximised the least perceived difference (CIEDE2000) over four
-// kinds of sight, within bounds of lightness and chroma.
+// Found by a random search for colours that are far apart for four kinds of sight, within bounds of
+// lightness and chroma.
 const std::array<Rgb, 8> kPalette = {{{237, 238, 84},
                                       {107, 255, 223},
                                       {112, 83, 80},

@@ -7,15 +7,16 @@ namespace spheroseg {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-/// Eight colours, chosen so that any two of them are at least 20 apart in CIELAB, as seen by people
-/// with normal sight, protanopia, deuteranopia and tritanopia.
+/// Eight colours, any two of which are more than 20 apart in CIELAB (Euclidean distance), as seen
+/// by people with normal sight, protanopia, deuteranopia and tritanopia.
 extern const std::array<Rgb, 8> kPalette;
 
 /// A colour index for each sub-mesh, different for any two sub-meshes that share an edge; two that
-/// share only a vertex differ too where the palette has a colour left. Where the sub-meshes are
-/// connected (their graph is planar) the palette suffices. Does not depend on threads.
-/// `labels`: one per face, each in [0, submesh_count). O(F + b log b) for b corners at
-/// boundaries of sub-meshes.
+/// share only a vertex differ too where the palette has a colour left. Where the sub-meshes of a
+/// mesh of genus 0 are connected, their graph is planar and the palette suffices; on other surfaces
+/// they may need colours beyond it. Does not depend on threads.
+/// `labels`: one per face, each in [0, submesh_count). O(F + b log b) for b corners at boundaries
+/// of sub-meshes.
 std::vector<int> color_submeshes(const TriangleMesh& mesh,
                                  const DualGraph& dual_graph,
                                  const std::vector<int>& labels,
