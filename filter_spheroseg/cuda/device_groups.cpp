@@ -78,7 +78,7 @@ class GroupsOnDevice : public spheroseg::DeviceGroups {
 public:
     GroupsOnDevice(Device& device, const Patchwork& patchwork, bool with_partners, int threads)
         : device_(device), threads_(threads), host_cell_counts_(cell_counts_of(patchwork)),
-          host_labels_(labels_of(patchwork)), host_loads_(patchwork.load.size()),
+          host_labels_(cell_labels(patchwork)), host_loads_(patchwork.load.size()),
           cells_(device, patchwork.cells), labels_(device, host_labels_),
           listed_(device, patchwork.cells.size()), faces_(device, patchwork.cells.size()),
           loads_(device, patchwork.load.size()), cell_counts_(device, host_cell_counts_),

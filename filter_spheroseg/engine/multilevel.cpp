@@ -77,7 +77,7 @@ bool Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
         return false;
     }
     const Level& finer = *(&level - 1);
-    const std::vector<int> labels = labels_of(patchwork);
+    const std::vector<int> labels = cell_labels(patchwork);
     std::vector<Cell>().swap(patchwork.cells); // gives the memory back before it takes more
     patchwork.cells.resize(finer.cell_count());
     const int threads = threads_for(thread_count, finer.cell_count(), kFacesPerThread);

@@ -77,7 +77,7 @@ std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int t
     return table;
 }
 
-std::vector<int> labels_of(const Patchwork& patchwork) {
+std::vector<int> cell_labels(const Patchwork& patchwork) {
     std::vector<int> labels(patchwork.cells.size());
     for (std::size_t f = 0; f < labels.size(); ++f) {
         labels[f] = patchwork.cells[f].label;

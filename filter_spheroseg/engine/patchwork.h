@@ -78,7 +78,7 @@ double mean_face_weight(const Patchwork& patchwork);
 /// reads less than half as much memory here as in the cells.
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count);
 
-/// Labels of a finished patchwork, in face order.
-std::vector<int> labels_of(const Patchwork& patchwork);
+/// The label of each cell, in the order of the cells, on any level.
+std::vector<int> cell_labels(const Patchwork& patchwork);
 
 } // namespace spheroseg

@@ -44,11 +44,11 @@ Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDe
     control.boundary_edges = &run.boundary_edges;
     control.seconds = &seconds;
     anneal(patchwork, schedule_of(30, seed), control);
-    run.annealed = labels_of(patchwork);
+    run.annealed = cell_labels(patchwork);
     EXPECT_TRUE(balance_exactly(patchwork));
     anneal_balanced(patchwork, schedule_of(30, seed), control);
     anneal_below(patchwork, heaviest_load(patchwork) + 2, schedule_of(10, seed + 1), control);
-    run.labels = labels_of(patchwork);
+    run.labels = cell_labels(patchwork);
     run.load = patchwork.load;
     return run;
 }

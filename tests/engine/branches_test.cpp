@@ -58,7 +58,7 @@ TEST(Branches, WhatHangsOnAFaceGoesWithIt) {
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(branch, expected);
     EXPECT_TRUE(branches.find(cell(2), 0, 1).empty());
-    EXPECT_EQ(labels_of(work), labels_of(patchwork));
+    EXPECT_EQ(cell_labels(work), cell_labels(patchwork));
 }
 
 TEST(Branches, TheLastFaceOfASubmeshStays) {

@@ -79,7 +79,7 @@ inline bool is_sound(const Measures& measures) {
 /// The mesh that a patchwork is, and its labels measured.
 inline Measures measures_of_level(const Patchwork& patchwork) {
     const TriangleMesh mesh = mesh_of(patchwork);
-    return measure(mesh, build_dual_graph(mesh), labels_of(patchwork), patchwork.submesh_count());
+    return measure(mesh, build_dual_graph(mesh), cell_labels(patchwork), patchwork.submesh_count());
 }
 
 } // namespace spheroseg::test

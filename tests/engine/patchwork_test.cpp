@@ -396,7 +396,7 @@ TEST(Multilevel, WhatACellStandsForFollowsInTheOrderOfTheCells) {
             const std::vector<int> loads = patchwork.load;
             while (patchwork.face_count() < levels.mesh.face_count()) {
                 multilevel.uncoarsen(patchwork);
-                const std::vector<int> labels = labels_of(patchwork);
+                const std::vector<int> labels = cell_labels(patchwork);
                 EXPECT_TRUE(std::is_sorted(labels.begin(), labels.end()));
                 sum_loads(patchwork);
                 EXPECT_EQ(patchwork.load, loads);
@@ -428,8 +428,8 @@ TEST(Multilevel, DoesNotDependOnThreads) {
                 }
                 EXPECT_EQ(levels.multilevel.uncoarsen(expected), other.uncoarsen(found, threads));
             }
-            EXPECT_EQ(labels_of(named_finest(mesh, other)),
-                      labels_of(named_finest(mesh, levels.multilevel)));
+            EXPECT_EQ(cell_labels(named_finest(mesh, other)),
+                      cell_labels(named_finest(mesh, levels.multilevel)));
         }
     }
 }

@@ -66,7 +66,7 @@ const char* find_fault(const Patchwork& patchwork, int total_weight, bool sound)
     if (!loads_add_up(patchwork, total_weight)) {
         return "weights on a level add up";
     }
-    if (sound && !surface.recount(labels_of(patchwork), patchwork.submesh_count()).is_whole()) {
+    if (sound && !surface.recount(cell_labels(patchwork), patchwork.submesh_count()).is_whole()) {
         return "sub-meshes stay sound on finer levels";
     }
     return nullptr;

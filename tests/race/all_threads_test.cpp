@@ -80,7 +80,7 @@ TEST(AllThreads, RelaxationOfManyFaces) {
     Patchwork together = alone;
     relax(alone, 2, 1, {});
     relax(together, 2, kThreads, {});
-    EXPECT_EQ(labels_of(together), labels_of(alone));
+    EXPECT_EQ(cell_labels(together), cell_labels(alone));
 }
 
 TEST(AllThreads, AllPairs) {
