@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#if defined(__CUDACC__)
-#define SPHEROSEG_HOST_DEVICE __host__ __device__
-#else
-#define SPHEROSEG_HOST_DEVICE
-#endif
+#include "host_device.h"
 
 /// Which pairs a thread block meets, in closed form: `RoundRobin` cut into tiles of slots and
 /// rounds that one block plays alone. The same source on host and device.
