@@ -8,7 +8,7 @@
 namespace spheroseg::cuda {
 
 cudaError_t launch_anneal_groups(const AnnealArrays& arrays,
-                                 const spheroseg::Phase& phase,
+                                 const Phase& phase,
                                  const FreeLoads& loads,
                                  cudaStream_t stream) {
     anneal_groups<<<arrays.group_count, kAnnealThreads, sizeof(GroupState), stream>>>(
@@ -17,7 +17,7 @@ cudaError_t launch_anneal_groups(const AnnealArrays& arrays,
 }
 
 cudaError_t launch_anneal_groups(const AnnealArrays& arrays,
-                                 const spheroseg::Phase& phase,
+                                 const Phase& phase,
                                  const BoundedLoads& loads,
                                  cudaStream_t stream) {
     exchange_groups<<<arrays.group_count, kAnnealThreads, sizeof(GroupState), stream>>>(

@@ -118,8 +118,7 @@ private:
 /// proposals on the labels as they are, and the first that changes something is made. Those before
 /// it change nothing, so they are done; those after it are judged again.
 template <typename Loads>
-__device__ void
-anneal_group(const AnnealArrays& arrays, const spheroseg::Phase& phase, const Loads& loads) {
+__device__ void anneal_group(const AnnealArrays& arrays, const Phase& phase, const Loads& loads) {
     SPHEROSEG_DYNAMIC_SHARED(GroupState, state);
     const int group = arrays.order[blockIdx.x];
     const int thread = static_cast<int>(threadIdx.x);
@@ -172,12 +171,12 @@ anneal_group(const AnnealArrays& arrays, const spheroseg::Phase& phase, const Lo
 
 // The 1 allows more than the 128 registers that nvcc chooses for so few threads: no spills.
 __global__ void __launch_bounds__(kAnnealThreads, 1)
-    anneal_groups(AnnealArrays arrays, spheroseg::Phase phase, FreeLoads loads) {
+    anneal_groups(AnnealArrays arrays, Phase phase, FreeLoads loads) {
     anneal_group(arrays, phase, loads);
 }
 
 __global__ void __launch_bounds__(kAnnealThreads, 1)
-    exchange_groups(AnnealArrays arrays, spheroseg::Phase phase, BoundedLoads loads) {
+    exchange_groups(AnnealArrays arrays, Phase phase, BoundedLoads loads) {
     anneal_group(arrays, phase, loads);
 }
 

@@ -10,11 +10,11 @@ namespace spheroseg::cuda {
 // Launches; each returns its error.
 
 cudaError_t launch_anneal_groups(const AnnealArrays& arrays,
-                                 const spheroseg::Phase& phase,
+                                 const Phase& phase,
                                  const FreeLoads& loads,
                                  cudaStream_t stream);
 cudaError_t launch_anneal_groups(const AnnealArrays& arrays,
-                                 const spheroseg::Phase& phase,
+                                 const Phase& phase,
                                  const BoundedLoads& loads,
                                  cudaStream_t stream);
 

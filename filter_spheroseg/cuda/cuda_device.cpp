@@ -100,8 +100,9 @@ public:
         copy(to, from, bytes, cudaMemcpyDeviceToHost);
     }
 
-    void
-    play_cohesion_tiles(const CohesionArrays& arrays, const Phase& phase, int capacity) override {
+    void play_cohesion_tiles(const CohesionArrays& arrays,
+                             const TilePhase& phase,
+                             int capacity) override {
         call("play_cohesion_tiles",
              [&] { return launch_cohesion_tiles(arrays, phase, capacity, stream_.get()); });
     }
@@ -115,15 +116,14 @@ public:
              [&] { return launch_refinement_batch(arrays, batch_rounds, stream_.get()); });
     }
 
-    void anneal_groups(const AnnealArrays& arrays,
-                       const spheroseg::Phase& phase,
-                       const FreeLoads& loads) override {
+    void
+    anneal_groups(const AnnealArrays& arrays, const Phase& phase, const FreeLoads& loads) override {
         call("anneal_groups",
              [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });
     }
 
     void anneal_groups(const AnnealArrays& arrays,
-                       const spheroseg::Phase& phase,
+                       const Phase& phase,
                        const BoundedLoads& loads) override {
         call("exchange_groups",
              [&] { return launch_anneal_groups(arrays, phase, loads, stream_.get()); });

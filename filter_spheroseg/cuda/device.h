@@ -34,19 +34,17 @@ public:
     virtual void download(void* to, const void* from, std::size_t bytes) = 0;
 
     virtual void
-    play_cohesion_tiles(const CohesionArrays& arrays, const Phase& phase, int capacity) = 0;
+    play_cohesion_tiles(const CohesionArrays& arrays, const TilePhase& phase, int capacity) = 0;
     virtual void measure_bounds(const RefinementArrays& arrays) = 0;
     /// Moves the cursor to the round after the next one with a swap, which is made, or by
     /// `batch_rounds` when there is none among them.
     virtual void play_refinement_batch(const RefinementArrays& arrays, int batch_rounds) = 0;
 
     /// Makes the proposals of all groups.
-    virtual void anneal_groups(const AnnealArrays& arrays,
-                               const spheroseg::Phase& phase,
-                               const FreeLoads& loads) = 0;
-    virtual void anneal_groups(const AnnealArrays& arrays,
-                               const spheroseg::Phase& phase,
-                               const BoundedLoads& loads) = 0;
+    virtual void
+    anneal_groups(const AnnealArrays& arrays, const Phase& phase, const FreeLoads& loads) = 0;
+    virtual void
+    anneal_groups(const AnnealArrays& arrays, const Phase& phase, const BoundedLoads& loads) = 0;
 };
 
 /// The first usable GPU of this machine, or why there is none.

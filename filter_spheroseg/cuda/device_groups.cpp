@@ -91,7 +91,7 @@ public:
         }
     }
 
-    std::int64_t run(const spheroseg::Phase& phase,
+    std::int64_t run(const Phase& phase,
                      const FreeLoads& loads,
                      Patchwork& patchwork,
                      Grouping& grouping,
@@ -99,7 +99,7 @@ public:
         return run_phase(phase, loads, patchwork, grouping, boundary);
     }
 
-    std::int64_t run(const spheroseg::Phase& phase,
+    std::int64_t run(const Phase& phase,
                      const BoundedLoads& loads,
                      Patchwork& patchwork,
                      Grouping& grouping,
@@ -110,7 +110,7 @@ public:
 
 private:
     template <typename Loads>
-    std::int64_t run_phase(const spheroseg::Phase& phase,
+    std::int64_t run_phase(const Phase& phase,
                            const Loads& loads,
                            Patchwork& patchwork,
                            Grouping& grouping,

@@ -45,7 +45,7 @@ public:
         swap_count_.clear();
         for (int round = round_begin; round < round_end; round += phase_rounds) {
             const int count = std::min(phase_rounds, round_end - round);
-            Phase phase{face_count_, block_count_, round, count, false};
+            TilePhase phase{face_count_, block_count_, round, count, false};
             device_.play_cohesion_tiles(arrays, phase, capacity);
             // The wedges have no slot in the first of their rounds.
             if (block_count_ > 1 && count > 1) {

@@ -34,7 +34,7 @@ SPHEROSEG_HOST_DEVICE inline ElementPair slot_pair(int element_count, int round,
 /// one more slot per round at each end that it shares with another block; then the wedges left out
 /// between the blocks are played. Slot j of a round meets the elements that the slots j - 1, j and
 /// j + 1 met in the round before, so that no tile of a step needs an element of another.
-struct Phase {
+struct TilePhase {
     int element_count;
     int block_count; // 1 only where there is one slot
     int round_begin;
@@ -97,7 +97,7 @@ struct Tile {
     }
 };
 
-SPHEROSEG_HOST_DEVICE inline Tile tile_of(const Phase& phase, int index) {
+SPHEROSEG_HOST_DEVICE inline Tile tile_of(const TilePhase& phase, int index) {
     const long long slots = slot_count_of(phase.element_count);
     const auto block_begin = [&](int block) {
         return static_cast<int>(slots * block / phase.block_count);

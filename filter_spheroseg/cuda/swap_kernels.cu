@@ -30,7 +30,7 @@ unsigned int blocks_for(int count, int per_block) {
 } // namespace
 
 cudaError_t launch_cohesion_tiles(const CohesionArrays& arrays,
-                                  const Phase& phase,
+                                  const TilePhase& phase,
                                   int capacity,
                                   cudaStream_t stream) {
     const int tiles = phase.block_count - (phase.wedges ? 1 : 0);

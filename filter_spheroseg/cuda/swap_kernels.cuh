@@ -238,7 +238,7 @@ __device__ inline int play_round(const Tile& tile, const HeldFaces& held, int t)
 
 /// One tile per block. Dynamic shared memory: kTileWords words for each of `capacity` elements.
 __global__ void __launch_bounds__(kCohesionThreads)
-    play_cohesion_tiles(CohesionArrays arrays, Phase phase, int capacity) {
+    play_cohesion_tiles(CohesionArrays arrays, TilePhase phase, int capacity) {
     SPHEROSEG_DYNAMIC_SHARED(float, words);
     const HeldFaces held = held_faces(words, capacity);
     const Tile tile = tile_of(phase, static_cast<int>(blockIdx.x));

@@ -11,7 +11,7 @@ namespace spheroseg::cuda {
 // Launches; each returns the error of its launch.
 
 cudaError_t launch_cohesion_tiles(const CohesionArrays& arrays,
-                                  const Phase& phase,
+                                  const TilePhase& phase,
                                   int capacity,
                                   cudaStream_t stream);
 cudaError_t launch_measure_bounds(const RefinementArrays& arrays, cudaStream_t stream);

@@ -72,7 +72,7 @@ void EmulatedDevice::launch(unsigned int blocks_x,
 }
 
 void EmulatedDevice::play_cohesion_tiles(const cuda::CohesionArrays& arrays,
-                                         const cuda::Phase& phase,
+                                         const cuda::TilePhase& phase,
                                          int capacity) {
     begin_call("play_cohesion_tiles");
     const std::size_t shared_bytes = sizeof(float) * cuda::kTileWords * capacity;

@@ -39,7 +39,7 @@ public:
     void upload(void* to, const void* from, std::size_t bytes) override;
     void download(void* to, const void* from, std::size_t bytes) override;
     void play_cohesion_tiles(const cuda::CohesionArrays& arrays,
-                             const cuda::Phase& phase,
+                             const cuda::TilePhase& phase,
                              int capacity) override;
     void measure_bounds(const cuda::RefinementArrays& arrays) override;
     void play_refinement_batch(const cuda::RefinementArrays& arrays, int batch_rounds) override;

@@ -35,7 +35,7 @@ Meetings tournament(int element_count, int round_begin, int round_end) {
 }
 
 /// Plays the tiles of a step, each whole before the next, and checks that they share no element.
-void play_step(const cuda::Phase& phase, Meetings& meetings) {
+void play_step(const cuda::TilePhase& phase, Meetings& meetings) {
     const int element_count = phase.element_count;
     std::set<int> held_before;
     for (int index = 0; index < phase.block_count - (phase.wedges ? 1 : 0); ++index) {
