@@ -19,7 +19,7 @@ template <typename T> QVariant to_vector(const std::vector<T>& values) {
     return QVariant::fromValue(vector);
 }
 
-Results section_two_results(const Measures& measures) {
+Results quality_results(const Measures& measures) {
     return {{"boundary_edge_count", measures.boundary_edge_count},
             {"max_triangle_count_difference", measures.max_triangle_count_difference},
             {"coefficient_of_variation", measures.coefficient_of_variation},
@@ -33,7 +33,7 @@ Results section_two_results(const Measures& measures) {
 
 Results segmentation_results(const Segmentation& segmentation) {
     const Measures& measures = segmentation.measures;
-    Results results = section_two_results(measures);
+    Results results = quality_results(measures);
     results["submesh_count"] = measures.submesh_count;
     results["triangle_count"] = measures.triangle_count;
     results["min_submesh_triangles"] = measures.min_submesh_triangles;
@@ -56,7 +56,7 @@ Results segmentation_results(const Segmentation& segmentation) {
 }
 
 Results measure_results(const Measures& measures) {
-    Results results = section_two_results(measures);
+    Results results = quality_results(measures);
     results["submesh_triangles"] = to_vector(measures.submesh_triangles);
     return results;
 }
