@@ -250,7 +250,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
 Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
                                            const RichParameterList& parameters,
                                            const Progress& progress) {
-    const Deadline watch;
+    const StopWatch watch;
     const int mesh_id = document.mm()->id();
     HostMesh host = read_mesh(document.mm()->cm);
     PreparedMesh& prepared = cache_.prepare(std::move(host.mesh), std::nullopt, 0);

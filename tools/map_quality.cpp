@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
         for (int i = 2; i < argc; ++i) {
             const TriangleMesh mesh = read_raw_mesh(argv[i]);
             const DualGraph graph = build_dual_graph(mesh, threads);
-            const Deadline watch;
+            const StopWatch watch;
             const CollapseHierarchy hierarchy = build_hierarchy(mesh, graph, threads);
             const double hierarchy_seconds = watch.elapsed_seconds();
             const Parametrization map = parametrize(mesh, hierarchy, threads);

@@ -75,7 +75,7 @@ void take_roots() {
 template <typename Function> double least_seconds(const Function& function) {
     double least = std::numeric_limits<double>::infinity();
     for (int repeat = 0; repeat < kKernelRepeats; ++repeat) {
-        const Deadline watch;
+        const StopWatch watch;
         function();
         least = std::min(least, watch.elapsed_seconds());
     }

@@ -203,7 +203,7 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
         if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
             break;
         }
-        const Deadline watch;
+        const StopWatch watch;
         bool complete = true;
         if (device) {
             device->set_centroids(centroids);

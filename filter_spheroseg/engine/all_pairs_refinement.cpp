@@ -256,7 +256,7 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
         if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
             break;
         }
-        const Deadline watch;
+        const StopWatch watch;
         bool complete = true;
         const long long swap_count =
             play_iteration(refinement, device.get(), limits, history.count(), progress, complete);

@@ -265,7 +265,7 @@ SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
             break;
         }
         report_progress(progress, open_ended_fraction(history.count()), "Cohesion");
-        const Deadline watch;
+        const StopWatch watch;
         const long long swap_count = cohesion.iterate();
         history.swaps.push_back(static_cast<double>(swap_count));
         history.energy.push_back(cohesion.energy());

@@ -42,16 +42,24 @@ inline Progress rising_progress(const Progress& progress) {
     };
 }
 
-/// Wall-clock stop watch with an optional limit.
-class Deadline {
+/// Wall-clock time since it was made.
+class StopWatch {
 public:
-    /// `limit_seconds` <= 0: no limit.
-    explicit Deadline(double limit_seconds = 0.0)
-        : start_(std::chrono::steady_clock::now()), limit_seconds_(limit_seconds) {}
-
     double elapsed_seconds() const {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// A time limit that runs from when it is made.
+class Deadline {
+public:
+    /// `limit_seconds` <= 0: no limit.
+    explicit Deadline(double limit_seconds = 0.0) : limit_seconds_(limit_seconds) {}
+
+    double elapsed_seconds() const { return watch_.elapsed_seconds(); }
     bool expired() const { return limit_seconds_ > 0.0 && elapsed_seconds() >= limit_seconds_; }
     /// The time is up even for what makes a result valid that is not: that may take as long again
     /// as the limit, and a second.
@@ -60,7 +68,7 @@ public:
     }
 
 private:
-    std::chrono::steady_clock::time_point start_;
+    StopWatch watch_;
     double limit_seconds_;
 };
 

@@ -63,7 +63,7 @@ public:
                 return;
             }
             report_progress(control.progress, static_cast<double>(i) / iterations, "Relaxation");
-            const Deadline watch;
+            const StopWatch watch;
             iterate();
             if (control.boundary_edges) {
                 std::int64_t sides = 0;
