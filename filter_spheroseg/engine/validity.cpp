@@ -69,7 +69,6 @@ public:
 
     MeshReport run(int thread_count) {
         report_.face_count = mesh_.face_count();
-        report_.vertex_count = mesh_.vertex_count();
         const int threads = threads_for(thread_count, mesh_.face_count(), kFacesPerThread / 4);
         ParallelFailure failure;
 #pragma omp parallel sections num_threads(threads)
@@ -100,12 +99,8 @@ private:
             for (int v : face) {
                 referenced_[v] = 1;
             }
-            const Vec3& origin = mesh_.positions[face[0]];
             if (is_degenerate(face)) {
                 note(report_.degenerate_face_count, report_.first_degenerate_face, f);
-            } else if (length(cross(mesh_.positions[face[1]] - origin,
-                                    mesh_.positions[face[2]] - origin)) == 0.0) {
-                ++report_.zero_area_face_count;
             }
         }
     }

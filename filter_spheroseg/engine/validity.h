@@ -10,7 +10,6 @@ namespace spheroseg {
 /// What a mesh is. Counts are 0 where nothing was found; `first_...` is an index or -1.
 struct MeshReport {
     int face_count = 0;
-    int vertex_count = 0;
     int referenced_vertex_count = 0;
     int edge_count = 0;
     /// Components of faces joined by shared edges.
@@ -27,10 +26,9 @@ struct MeshReport {
     int non_manifold_vertex_count = 0;
     int first_non_manifold_vertex = -1;
     /// Faces that name a vertex twice (zero-area faces with three different vertices are not
-    /// degenerate in this sense; they are counted in `zero_area_face_count`).
+    /// degenerate in this sense).
     int degenerate_face_count = 0;
     int first_degenerate_face = -1;
-    int zero_area_face_count = 0;
     /// Faces with the same three vertices as an earlier face.
     int duplicate_face_count = 0;
     int first_duplicate_face = -1;
