@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "anneal.h"
 #include "bisection.h"
 #include "component.h"
 #include "level_mesh.h"
@@ -63,6 +64,16 @@ inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::
         }
     }
     return patchwork;
+}
+
+/// A short annealing, of eight phases.
+inline AnnealSchedule schedule_of(double proposals, int thread_count) {
+    AnnealSchedule schedule;
+    schedule.proposals_per_face = proposals;
+    schedule.phase_count = 8;
+    schedule.thread_count = thread_count;
+    schedule.seed = 5;
+    return schedule;
 }
 
 inline Measures measures_of(const Levels& levels, const Patchwork& patchwork) {

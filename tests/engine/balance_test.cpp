@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "balance.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+TEST(Balance, EverySubmeshHoldsFloorOrCeilingFacesOrItSaysSo) {
+    const Levels levels(displaced_sphere(3));
+    for (int k : {2, 7, 31, 200}) {
+        // Many small sub-meshes may get stuck without annealing; they stay sound all the same.
+        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
+        bisect(patchwork, k, 1, 1);
+        repair(patchwork);
+        const bool balanced = balance_exactly(patchwork);
+        EXPECT_TRUE(balanced || k == 200) << k;
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k;
+        EXPECT_EQ(measures_of(levels, patchwork).is_valid(), balanced) << k;
+    }
+}
+
+TEST(Balance, ExactBalanceOfTwoOrThreeFacesEachNeedsNoAnnealing) {
+    const Levels levels(displaced_sphere(4));
+    const int face_count = levels.mesh.face_count();
+    // A chain of passes breaks at nearly every sub-mesh here, unless each is planned.
+    for (int k : {face_count / 2, 2 * face_count / 5, 5 * face_count / 16, face_count / 4}) {
+        for (std::uint64_t seed : {1, 2, 3}) {
+            Patchwork patchwork = ragged_patchwork(levels, k, seed);
+            EXPECT_TRUE(balance_exactly(patchwork, 1000 * face_count)) << k << ", seed " << seed;
+            EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
+        }
+    }
+}
+
+} // namespace
+} // namespace spheroseg

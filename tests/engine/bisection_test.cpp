@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bisection.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+TEST(Bisection, CutInTwoAgainAndAgainGivesEachPartItsShare) {
+    const Levels levels(limbed_figure(4));
+    for (int k : {2, 3, 7, 12, 33}) {
+        Patchwork patchwork = levels.multilevel.coarsen(60 * k, 1);
+        std::vector<int> parts{k};
+        for (int cuts = 0; static_cast<int>(parts.size()) < k; ++cuts) {
+            ASSERT_LT(cuts, 6) << "log2 of 33, rounded up";
+            const Patchwork before = patchwork;
+            cut_in_two(patchwork, parts, 1);
+            ASSERT_EQ(patchwork.submesh_count(), static_cast<int>(parts.size()));
+            EXPECT_EQ(std::accumulate(parts.begin(), parts.end(), 0), k);
+            const std::vector<int> load = patchwork.load;
+            sum_loads(patchwork);
+            EXPECT_EQ(load, patchwork.load);
+            for (int f = 0; f < patchwork.face_count(); ++f) {
+                const bool stays = patchwork.label(f) == before.label(f);
+                ASSERT_TRUE(stays || patchwork.label(f) >= before.submesh_count());
+            }
+            const double share = mean_load(patchwork) * patchwork.submesh_count() / k;
+            for (std::size_t l = 0; l < parts.size(); ++l) {
+                // A cell of a coarse level weighs several faces.
+                EXPECT_NEAR(load[l], parts[l] * share, 0.1 * parts[l] * share) << k;
+            }
+        }
+    }
+}
+
+TEST(Bisection, CutInTwoOfFewerCellsThanPartsLeavesEmptySubmeshes) {
+    const Levels levels(tetrahedron());
+    Patchwork patchwork = levels.multilevel.coarsen(4, 1);
+    std::vector<int> parts{3};
+    cut_in_two(patchwork, parts, 0);
+    patchwork.set_label(0, 0);
+    patchwork.set_label(1, 0);
+    patchwork.set_label(2, 0);
+    patchwork.set_label(3, 1);
+    sum_loads(patchwork);
+    parts = {1, 3};
+    cut_in_two(patchwork, parts, 0);
+    EXPECT_EQ(parts, (std::vector<int>{1, 1, 2}));
+    EXPECT_EQ(patchwork.load, (std::vector<int>{3, 1, 0}));
+    cut_in_two(patchwork, parts, 0);
+    EXPECT_EQ(patchwork.load, (std::vector<int>{3, 1, 0, 0}));
+}
+
+} // namespace
+} // namespace spheroseg

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "repair.h"
+
+#include "patchwork_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+std::vector<int> random_labels(int face_count, int submesh_count) {
+    Random random(3);
+    std::vector<int> labels(face_count);
+    for (int& label : labels) {
+        label = static_cast<int>(random.below(submesh_count));
+    }
+    return labels;
+}
+
+TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        const Levels levels(mesh);
+        for (int k : {2, 5, mesh.face_count() / 4}) {
+            if (k < 2 || 4 * k > mesh.face_count()) {
+                continue;
+            }
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            // All sub-meshes but one are empty.
+            levels.multilevel.set_labels(patchwork, std::vector<int>(mesh.face_count(), 0));
+            EXPECT_EQ(repair(patchwork), 0) << name << " k " << k;
+            EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << name << " k " << k;
+            Patchwork ragged = levels.multilevel.coarsen(mesh.face_count(), k);
+            levels.multilevel.set_labels(ragged, random_labels(mesh.face_count(), k));
+            const int forced = repair(ragged);
+            const Measures measures = measures_of(levels, ragged);
+            EXPECT_GE(measures.min_submesh_triangles, 1) << name << " k " << k;
+            EXPECT_EQ(is_sound(measures), forced == 0) << name << " k " << k;
+        }
+    }
+}
+
+TEST(Repair, LeavesNoSubmeshEmptyWhereNoFaceCanBeSparedAlone) {
+    // With all faces in one of k sub-meshes the others are split off, until what is left is a ring
+    // that is one face wide.
+    for (const TriangleMesh& mesh : {octahedron(), icosahedron(), torus(3, 3), bipyramid(7)}) {
+        const Levels levels(mesh);
+        for (int k = 1; k <= mesh.face_count(); ++k) {
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            levels.multilevel.set_labels(patchwork, std::vector<int>(mesh.face_count(), k - 1));
+            const int forced = repair(patchwork);
+            const Measures measures = measures_of(levels, patchwork);
+            EXPECT_GE(measures.min_submesh_triangles, 1) << mesh.face_count() << " k " << k;
+            EXPECT_EQ(is_sound(measures), forced == 0) << mesh.face_count() << " k " << k;
+            EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+        }
+    }
+}
+
+TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
+    // Faces are numbered ring after ring, or row after row: each third is one sub-mesh, sound and
+    // no disk.
+    const std::vector<TriangleMesh> meshes = {
+        torus(36, 7), torus(60, 3), grid_with_holes(24), grid_with_holes(36)};
+    for (const TriangleMesh& mesh : meshes) {
+        const Levels levels(mesh);
+        std::vector<int> labels(mesh.face_count());
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            labels[f] = 3 * f / mesh.face_count();
+        }
+        Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), 3);
+        levels.multilevel.set_labels(patchwork, labels);
+        ASSERT_TRUE(is_sound(measures_of(levels, patchwork)));
+        ASSERT_EQ(measures_of(levels, patchwork).disk_count, 0);
+        EXPECT_EQ(repair(patchwork), 0);
+        EXPECT_EQ(levels.multilevel.labels(patchwork), labels);
+    }
+}
+
+TEST(Repair, BisectionsOfSurfacesWithHolesAndHandlesBecomeSound) {
+    const std::vector<TriangleMesh> meshes = {torus(36, 7),
+                                              torus(60, 3),
+                                              torus(24, 24),
+                                              grid_with_holes(24),
+                                              grid_with_holes(36),
+                                              long_thin_limb(3, 100),
+                                              long_thin_limb(5, 80)};
+    for (const TriangleMesh& mesh : meshes) {
+        const Levels levels(mesh);
+        for (int k : {2, 3, 4, 7, 10}) {
+            Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
+            bisect(patchwork, k, 1, 1);
+            const int edges = measures_of(levels, patchwork).boundary_edge_count;
+            EXPECT_EQ(repair(patchwork), 0) << mesh.face_count() << " k " << k;
+            const Measures repaired = measures_of(levels, patchwork);
+            EXPECT_TRUE(is_sound(repaired)) << mesh.face_count() << " k " << k;
+            EXPECT_LE(repaired.boundary_edge_count, 2 * edges) << mesh.face_count() << " k " << k;
+        }
+    }
+}
+
+} // namespace
+} // namespace spheroseg
