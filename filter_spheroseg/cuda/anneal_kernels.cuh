@@ -10,7 +10,7 @@ namespace spheroseg::cuda {
 
 namespace { // the tests' emulation has kernels of the same names
 
-/// The `Patches` of moves.h. Blocks read labels of faces that other blocks move, without order: any
+/// The `Patches` of cell.h. Blocks read labels of faces that other blocks move, without order: any
 /// value they see is a label of another group, and nothing depends on which.
 struct DevicePatches {
     const Cell* cells;

@@ -2,7 +2,7 @@
 #include "free_annealing.h"
 
 #include "boundary.h"
-#include "group_moves.h"
+#include "proposals.h"
 
 namespace spheroseg {
 

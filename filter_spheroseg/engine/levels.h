@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cell.h"
 #include "hierarchy.h"
-#include "moves.h"
 
 #include <array>
 #include <vector>
