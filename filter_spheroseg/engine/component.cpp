@@ -67,31 +67,10 @@ const Multilevel& Component::finest_level(int thread_count) {
 }
 
 std::vector<std::vector<int>> faces_of_components(const DualGraph& dual_graph) {
-    const int face_count = dual_graph.face_count();
-    std::vector<int> component_of(face_count, -1);
-    std::vector<int> queue;
-    int component_count = 0;
-    for (int start = 0; start < face_count; ++start) {
-        if (component_of[start] >= 0) {
-            continue;
-        }
-        component_of[start] = component_count;
-        queue.assign(1, start);
-        while (!queue.empty()) {
-            const int face = queue.back();
-            queue.pop_back();
-            for (int neighbor : dual_graph.neighbors[face]) {
-                if (neighbor >= 0 && component_of[neighbor] < 0) {
-                    component_of[neighbor] = component_count;
-                    queue.push_back(neighbor);
-                }
-            }
-        }
-        ++component_count;
-    }
-    std::vector<std::vector<int>> components(component_count);
-    for (int f = 0; f < face_count; ++f) {
-        components[component_of[f]].push_back(f);
+    const FaceComponents found = face_components(dual_graph);
+    std::vector<std::vector<int>> components(found.count());
+    for (int f = 0; f < dual_graph.face_count(); ++f) {
+        components[found.of_face[f]].push_back(f);
     }
     return components;
 }

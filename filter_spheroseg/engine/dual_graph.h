@@ -26,4 +26,46 @@ enum class VertexFanCount { unknown, one };
 /// number of threads.
 DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count = 0);
 
+/// Faces that hang together, numbered in the order of their first faces.
+struct FaceComponents {
+    std::vector<int> of_face;
+    std::vector<int> first_face;
+
+    int count() const { return static_cast<int>(first_face.size()); }
+};
+
+/// The components that are left of the dual graph with the arcs between faces f and g for which
+/// `joined(f, g)` is true. O(F).
+template <typename Joined>
+FaceComponents face_components(const DualGraph& dual_graph, Joined joined) {
+    FaceComponents components;
+    components.of_face.assign(dual_graph.neighbors.size(), -1);
+    std::vector<int> stack;
+    for (int first = 0; first < dual_graph.face_count(); ++first) {
+        if (components.of_face[first] >= 0) {
+            continue;
+        }
+        const int number = components.count();
+        components.first_face.push_back(first);
+        components.of_face[first] = number;
+        stack.push_back(first);
+        while (!stack.empty()) {
+            const int f = stack.back();
+            stack.pop_back();
+            for (int g : dual_graph.neighbors[f]) {
+                if (g >= 0 && components.of_face[g] < 0 && joined(f, g)) {
+                    components.of_face[g] = number;
+                    stack.push_back(g);
+                }
+            }
+        }
+    }
+    return components;
+}
+
+/// The components of the whole dual graph.
+inline FaceComponents face_components(const DualGraph& dual_graph) {
+    return face_components(dual_graph, [](int, int) { return true; });
+}
+
 } // namespace spheroseg

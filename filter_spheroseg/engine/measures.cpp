@@ -100,26 +100,11 @@ FanCounts count_fans(const TriangleMesh& mesh,
 /// Edge-connected components of each sub-mesh.
 std::vector<int>
 count_components(const DualGraph& dual_graph, const std::vector<int>& labels, int submesh_count) {
+    const FaceComponents found =
+        face_components(dual_graph, [&](int f, int g) { return labels[f] == labels[g]; });
     std::vector<int> components(submesh_count, 0);
-    std::vector<char> visited(labels.size(), 0);
-    std::vector<int> stack;
-    for (int seed = 0; seed < dual_graph.face_count(); ++seed) {
-        if (visited[seed]) {
-            continue;
-        }
-        ++components[labels[seed]];
-        visited[seed] = 1;
-        stack.push_back(seed);
-        while (!stack.empty()) {
-            const int f = stack.back();
-            stack.pop_back();
-            for (int g : dual_graph.neighbors[f]) {
-                if (g >= 0 && !visited[g] && labels[g] == labels[f]) {
-                    visited[g] = 1;
-                    stack.push_back(g);
-                }
-            }
-        }
+    for (int f : found.first_face) {
+        ++components[labels[f]];
     }
     return components;
 }

@@ -80,7 +80,7 @@ public:
                 examine_faces();
                 examine_vertices();
                 collect_loose_sides();
-                label_components();
+                components_ = face_components(dual_graph_);
                 count_duplicates();
             });
         }
@@ -166,32 +166,10 @@ private:
         }
     }
 
-    /// Numbers the components that the dual graph joins.
-    void label_components() {
-        component_of_face_.assign(mesh_.faces.size(), -1);
-        std::vector<int> stack;
-        for (int seed = 0; seed < mesh_.face_count(); ++seed) {
-            if (component_of_face_[seed] >= 0 || is_degenerate(mesh_.faces[seed])) {
-                continue;
-            }
-            component_of_face_[seed] = joined_component_count_;
-            stack.push_back(seed);
-            while (!stack.empty()) {
-                const int f = stack.back();
-                stack.pop_back();
-                for (int g : dual_graph_.neighbors[f]) {
-                    if (g >= 0 && component_of_face_[g] < 0) {
-                        component_of_face_[g] = joined_component_count_;
-                        stack.push_back(g);
-                    }
-                }
-            }
-            ++joined_component_count_;
-        }
-    }
-
     void examine_loose_edges() {
-        UnionFind components(joined_component_count_);
+        UnionFind components(components_.count());
+        // A degenerate face is joined to no other: a component that does not count.
+        report_.component_count = components_.count() - report_.degenerate_face_count;
         UnionFind fans(fan_count_);
         for (auto run = loose_sides_.begin(); run != loose_sides_.end();) {
             const auto same = [&](const LooseSide& s) { return s.same_edge(*run); };
@@ -205,8 +183,8 @@ private:
             }
             for (auto other = run + 1; other != run_end; ++other) {
                 const int other_face = other->side / 3;
-                joined_component_count_ -=
-                    components.join(component_of_face_[face], component_of_face_[other_face]);
+                report_.component_count -=
+                    components.join(components_.of_face[face], components_.of_face[other_face]);
                 for (int v : {run->lower_vertex, run->upper_vertex}) {
                     extra_fans_[v] -= fans.join(fan_of_corner_[corner_of(face, v)],
                                                 fan_of_corner_[corner_of(other_face, v)]);
@@ -247,7 +225,6 @@ private:
     }
 
     void finish() {
-        report_.component_count = joined_component_count_;
         report_.euler_characteristic = report_.referenced_vertex_count - report_.edge_count +
             report_.face_count - report_.degenerate_face_count;
         const bool surface = report_.boundary_edge_count + report_.non_manifold_edge_count +
@@ -267,8 +244,8 @@ private:
     std::vector<int> fan_of_corner_;
     int fan_count_ = 0;
     std::vector<int> extra_fans_; // per vertex: fans - 1
-    std::vector<int> component_of_face_;
-    int joined_component_count_ = 0;
+    /// Those that the dual graph joins.
+    FaceComponents components_;
 };
 
 std::string counted(int count, const std::string& singular, const std::string& plural) {
