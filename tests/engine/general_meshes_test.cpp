@@ -180,18 +180,44 @@ TEST(General, LabelsDoNotDependOnThreads) {
     }
 }
 
-TEST(General, MeasuresAgreeWithTheRecountOfRandomLabels) {
+void expect_measured_as_recounted(const TriangleMesh& mesh,
+                                  const std::vector<int>& labels,
+                                  int submesh_count,
+                                  int& disk_count) {
+    const Measures measures = measure(mesh, build_dual_graph(mesh), labels, submesh_count);
+    const fuzz::Recount recount = fuzz::Surface(mesh).recount(labels, submesh_count);
+    EXPECT_EQ(measures.submesh_triangles, recount.triangle_counts);
+    EXPECT_EQ(measures.max_triangle_count_difference, recount.max_triangle_count_difference);
+    EXPECT_EQ(measures.boundary_edge_count, recount.boundary_edge_count);
+    EXPECT_EQ(measures.bowtie_count, recount.bowtie_count);
+    EXPECT_EQ(measures.disconnected_submesh_count, recount.disconnected_submesh_count);
+    EXPECT_EQ(measures.min_submesh_triangles == 0, recount.empty_submesh_count > 0);
+    EXPECT_EQ(measures.disk_count, recount.disk_count);
+    disk_count += measures.disk_count;
+}
+
+TEST(General, MeasuresAgreeWithTheRecountOfLabelsAtRandomAndInARow) {
     Random random(9);
+    int disk_count = 0;
+    int submesh_count = 0;
     for (const auto& [name, mesh] : general_meshes()) {
+        SCOPED_TRACE(name);
         std::vector<int> labels(mesh.face_count());
         for (int& label : labels) {
             label = static_cast<int>(random.below(5));
         }
-        const Measures measures = measure(mesh, build_dual_graph(mesh), labels, 5);
-        const fuzz::Recount recount = fuzz::Surface(mesh).recount(labels, 5);
-        EXPECT_EQ(measures.bowtie_count, recount.bowtie_count) << name;
-        EXPECT_EQ(measures.boundary_edge_count, recount.boundary_edge_count) << name;
+        expect_measured_as_recounted(mesh, labels, 5, disk_count);
+        // Faces that follow one another are disks, rings and pieces. The last sub-mesh is empty.
+        for (int k : {3, 40}) {
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                labels[f] = static_cast<int>(1LL * f * k / mesh.face_count());
+            }
+            expect_measured_as_recounted(mesh, labels, k + 1, disk_count);
+            submesh_count += k;
+        }
     }
+    EXPECT_GT(disk_count, submesh_count / 10);
+    EXPECT_LT(disk_count, submesh_count);
 }
 
 TEST(General, TurningFacesDoesNotChangeWhatIsPossible) {

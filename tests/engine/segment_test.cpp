@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segment.h"
 
+#include "all_pairs_cohesion.h"
+#include "all_pairs_refinement.h"
 #include "test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -155,12 +157,29 @@ TEST(Segment, CancelAtAnyMomentLeavesThePreparedMeshUsable) {
 }
 
 TEST(Segment, AMapMadeBeforeIsUsed) {
-    PreparedMesh prepared(icosphere(3));
-    TriangleMesh mesh = icosphere(3);
+    const TriangleMesh mesh = icosphere(3);
+    PreparedMesh prepared(mesh);
     EXPECT_FALSE(prepared.set_parametrization({}));
     EXPECT_TRUE(prepared.set_parametrization(mesh.positions));
-    EXPECT_EQ(prepared.parametrization().positions.front().x, mesh.positions.front().x);
-    EXPECT_EQ(segment(prepared, all_pairs_options(20)).measures.submesh_count, 20);
+    const SegmentOptions options = all_pairs_options(20);
+    const std::vector<int> labels = segment(prepared, options).labels;
+    const std::vector<Vec3>& kept = prepared.parametrization().positions;
+    ASSERT_EQ(kept.size(), mesh.positions.size());
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        ASSERT_EQ(length(kept[v] - mesh.positions[v]), 0.0) << v;
+    }
+    const int face_count = mesh.face_count();
+    std::vector<int> expected = random_balanced_labels(face_count, 20, options.seed);
+    cohere_all_pairs(prepared.dual_graph(),
+                     face_centroids_on_sphere(mesh, mesh.positions),
+                     20,
+                     options.seed,
+                     {},
+                     expected);
+    refine_all_pairs(prepared.dual_graph(), {}, expected);
+    EXPECT_EQ(labels, expected);
+    PreparedMesh without_map(mesh);
+    EXPECT_NE(segment(without_map, options).labels, expected);
 }
 
 TEST(Segment, BadOptionsAreErrorsAndALaterCallWorks) {

@@ -73,6 +73,8 @@ TEST(Shares, NoOtherSharesAreBetter) {
         try_all(face_counts, k, 0, tried, best);
         EXPECT_EQ(rank_of(face_counts, shares.submesh_counts), best) << "run " << run;
         EXPECT_EQ(shares.max_triangle_count_difference, best[0]) << "run " << run;
+        EXPECT_EQ(shares.largest_count, best[1]) << "run " << run;
+        EXPECT_EQ(shares.least_count, best[1] - best[0]) << "run " << run;
     }
 }
 
@@ -86,6 +88,8 @@ TEST(Shares, AreCountedByHand) {
     // A component smaller than the others' parts is one sub-mesh: 100 in 4 parts of 25, and 4.
     EXPECT_EQ(share_submeshes({100, 4}, 5).submesh_counts, (std::vector<int>{4, 1}));
     EXPECT_EQ(share_submeshes({100, 4}, 5).max_triangle_count_difference, 21);
+    EXPECT_EQ(share_submeshes({100, 4}, 5).largest_count, 25);
+    EXPECT_EQ(share_submeshes({100, 4}, 5).least_count, 4);
 }
 
 TEST(Shares, ManyComponentsAreSharedAtOnce) {
