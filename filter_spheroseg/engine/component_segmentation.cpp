@@ -40,7 +40,7 @@ public:
 
     void run(int submesh_count) {
         const Deadline watch;
-        components_ = &prepared_.components();
+        components_ = &components_of(prepared_);
         const double preparation = watch.elapsed_seconds();
         std::vector<int> face_counts;
         for (const Component& component : *components_) {

@@ -5,6 +5,7 @@
 #include "balance.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "component.h"
 #include "exact_cut.h"
 #include "face_weights.h"
 #include "history.h"

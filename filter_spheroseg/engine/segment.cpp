@@ -3,6 +3,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "component.h"
 #include "component_segmentation.h"
 #include "device_groups.h"
 #include "device_swaps.h"
@@ -124,6 +125,12 @@ PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count) try
       report_(inspect(mesh_, dual_graph_, thread_count)) {
 } catch (const std::bad_alloc&) {
     throw OutOfMemory();
+}
+
+PreparedMesh::~PreparedMesh() = default;
+
+std::vector<Component>& components_of(PreparedMesh& mesh) {
+    return mesh.components();
 }
 
 std::vector<Component>& PreparedMesh::components() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "component.h"
 #include "measures.h"
 #include "parametrization.h"
 #include "validity.h"
@@ -10,6 +9,8 @@
 #include <optional>
 
 namespace spheroseg {
+
+class Component;
 
 enum class Method { fast, all_pairs };
 enum class Effort { draft, standard, high };
@@ -86,6 +87,7 @@ class PreparedMesh {
 public:
     /// Examines the mesh. Throws InvalidInput when a vertex index is out of range, OutOfMemory.
     explicit PreparedMesh(TriangleMesh mesh, int thread_count = 0);
+    ~PreparedMesh();
     // Its components refer to it.
     PreparedMesh(const PreparedMesh&) = delete;
     PreparedMesh& operator=(const PreparedMesh&) = delete;
@@ -93,13 +95,14 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
     const DualGraph& dual_graph() const { return dual_graph_; }
     const MeshReport& report() const { return report_; }
-    /// The edge-connected components, for `fast`.
-    std::vector<Component>& components();
     const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
     /// Uses a map made before; returns false and changes nothing when it is not valid.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
 
 private:
+    friend std::vector<Component>& components_of(PreparedMesh& mesh);
+    std::vector<Component>& components();
+
     TriangleMesh mesh_;
     DualGraph dual_graph_;
     MeshReport report_;

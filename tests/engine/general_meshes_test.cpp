@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segment.h"
 
+#include "component.h"
 #include "random.h"
 
 #include "../fuzz/recount.h"
