@@ -2,6 +2,7 @@
 #include "weight_balance.h"
 
 #include "random.h"
+#include "schedules.h"
 #include "submesh_boundaries.h"
 
 #include <algorithm>
@@ -140,10 +141,8 @@ private:
             } else if (came_by_[move.to].move.from != move.from || inflow <= move.weight) {
                 continue;
             }
-            if (move.to != queue_.front()) {
-                inflow = move.weight;
-                came_by_[move.to] = passage;
-            }
+            inflow = move.weight;
+            came_by_[move.to] = passage;
         }
     }
 
@@ -183,7 +182,6 @@ private:
 /// Steps above the mean, and tries to get below the last one that was missed.
 constexpr double kSteps[] = {0.03, 0.01, 0.003, 0.001};
 constexpr int kStepCount = 4;
-constexpr int kShakes = 1;
 constexpr int kHalvings = 2;
 
 /// The descent of balance_by_weight.
@@ -220,8 +218,8 @@ private:
         patchwork_ = best_;
         bool below = lower_loads(patchwork_, limit, lowering);
         keep_best();
-        for (int i = 0; i < kShakes && !below && !expired(); ++i) {
-            shake(i, lowering);
+        if (!below && !expired()) {
+            shake(lowering);
             below = lower_loads(patchwork_, limit, lowering);
             keep_best();
         }
@@ -231,6 +229,7 @@ private:
                 sub_progress(control_.progress, begin, (step + 1) / (kStepCount + 1.0));
             ++exchanges_.seed;
             anneal_below(patchwork_, limit, exchanges_, control);
+            control_.max_phases = std::max(0, control_.max_phases - exchanges_.phase_count);
             best_ = patchwork_;
         }
         return below;
@@ -238,15 +237,12 @@ private:
 
     /// Anneals with a pull towards the mean that is hundreds of boundary edges strong where a load
     /// is off by as much as the mean.
-    void shake(int times, const Progress& progress) {
+    void shake(const Progress& progress) {
         AnnealSchedule schedule = exchanges_;
-        schedule.seed = exchanges_.seed + 1000 + static_cast<std::uint64_t>(times);
+        schedule.seed = exchanges_.seed + 1000;
         schedule.temperature_begin = 0.5;
         schedule.temperature_end = 0.2;
-        const double faces_per_submesh =
-            static_cast<double>(patchwork_.face_count()) / patchwork_.submesh_count();
-        schedule.balance_weight_begin = 5.0 / faces_per_submesh;
-        schedule.balance_weight_end = 100.0 / faces_per_submesh;
+        set_balance(schedule, patchwork_, 5.0, 100.0);
         schedule.proposals_per_face = 100.0;
         schedule.phase_count = 12;
         AnnealControl control;
@@ -266,7 +262,8 @@ private:
 
     Patchwork& patchwork_;
     AnnealSchedule exchanges_;
-    const AnnealControl& control_;
+    /// With the phases that are left of those allowed.
+    AnnealControl control_;
     const double mean_;
     Patchwork best_;
 };
