@@ -25,13 +25,6 @@ Progress to_progress(vcg::CallBackPos* callback, const InterruptWatch& watch) {
     };
 }
 
-void require_closed_genus_zero(const PreparedMesh& prepared) {
-    const std::string error = closed_genus_zero_error(prepared.report());
-    if (!error.empty()) {
-        throw InvalidInput(error);
-    }
-}
-
 /// MeshLab handles its user's input while progress is reported. So a filter may be called while
 /// another one runs, which is refused, and the mesh may be gone or changed when it has finished.
 class ExclusiveRun {
@@ -254,7 +247,6 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
     const int mesh_id = document.mm()->id();
     HostMesh host = read_mesh(document.mm()->cm);
     PreparedMesh& prepared = cache_.prepare(std::move(host.mesh), std::nullopt, 0);
-    require_closed_genus_zero(prepared);
     // Measured as the host stores them: single precision may flip a tiny triangle.
     const std::vector<Vec3> positions =
         rounded_to_host(prepared.parametrization(0, progress).positions);

@@ -159,6 +159,10 @@ std::vector<Component>& PreparedMesh::components() {
 
 const Parametrization& PreparedMesh::parametrization(int thread_count,
                                                      const Progress& progress) try {
+    const std::string defect = closed_genus_zero_error(report_);
+    if (!defect.empty()) {
+        throw InvalidInput(defect);
+    }
     if (!parametrization_) {
         const CollapseHierarchy& collapsed =
             components().front().hierarchy(thread_count, sub_progress(progress, 0.0, 0.4));
@@ -171,7 +175,7 @@ const Parametrization& PreparedMesh::parametrization(int thread_count,
 }
 
 bool PreparedMesh::set_parametrization(std::vector<Vec3> sphere_positions) {
-    if (!is_valid_parametrization(mesh_, sphere_positions)) {
+    if (!report_.is_closed_genus_zero() || !is_valid_parametrization(mesh_, sphere_positions)) {
         return false;
     }
     parametrization_ = Parametrization{std::move(sphere_positions)};

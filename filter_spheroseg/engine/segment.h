@@ -48,6 +48,7 @@ struct SegmentOptions {
 struct Segmentation {
     /// One label in [0, k) per face.
     std::vector<int> labels;
+    /// Of `labels`.
     Measures measures;
     /// `all_pairs`: the measures between cohesion and refinement.
     Measures measures_after_cohesion;
@@ -60,9 +61,12 @@ struct Segmentation {
     double weight_imbalance = 1.0;
     int cohesion_iterations = 0;
     int refinement_iterations = 0;
+    /// What does not depend on k: for `fast` components and levels, and the map where one is used.
     double parametrization_seconds = 0.0;
+    /// For `fast` the starts with their trials.
     double cohesion_seconds = 0.0;
     double refinement_seconds = 0.0;
+    /// Checks and measures too.
     double total_seconds = 0.0;
     bool time_limit_hit = false;
     bool used_cuda = false;
@@ -95,8 +99,11 @@ public:
     const TriangleMesh& mesh() const { return mesh_; }
     const DualGraph& dual_graph() const { return dual_graph_; }
     const MeshReport& report() const { return report_; }
+    /// The map to the sphere. Throws InvalidInput unless the mesh is closed and of genus 0
+    /// (closed_genus_zero_error), OutOfMemory, Cancelled.
     const Parametrization& parametrization(int thread_count = 0, const Progress& progress = {});
-    /// Uses a map made before; returns false and changes nothing when it is not valid.
+    /// Uses a map made before, one position per vertex; returns false and changes nothing when it
+    /// is not valid, or when the mesh can not be mapped.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
 
 private:
@@ -122,8 +129,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 /// `fast`: each is one edge-connected piece without bowties, inside one component; triangle counts
 /// differ as little as the sizes of the components allow (`share_submeshes`), by one at most when
 /// there is one component. If that could not be reached, the measures say so. Depends on
-/// connectivity, options and seed, never on threads, and on coordinates only where areas are the
-/// weights.
+/// connectivity, options and seed, never on threads; on coordinates only where areas are the
+/// weights, and on a map that was set (`set_parametrization`) with Effort::high only.
 /// With `Balance::weight`, the heaviest sub-mesh is as near to the mean as could be reached
 /// instead; with `initial_labels` that are valid already, there are no more boundary edges than
 /// before (where the balance is by weight: none more, or a better balance), and labels keep their

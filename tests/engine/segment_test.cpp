@@ -182,6 +182,21 @@ TEST(Segment, AMapMadeBeforeIsUsed) {
     EXPECT_NE(segment(without_map, options).labels, expected);
 }
 
+TEST(Segment, NoMapOfWhatIsNotASphere) {
+    TriangleMesh turned = icosphere(2);
+    std::swap(turned.faces[3][0], turned.faces[3][1]);
+    for (const TriangleMesh& mesh : {TriangleMesh{}, open_grid(4), torus(8, 6), turned}) {
+        PreparedMesh prepared(mesh);
+        try {
+            prepared.parametrization();
+            ADD_FAILURE() << mesh.face_count() << " faces";
+        } catch (const InvalidInput& error) {
+            EXPECT_EQ(error.what(), closed_genus_zero_error(prepared.report()));
+        }
+        EXPECT_FALSE(prepared.set_parametrization(mesh.positions)) << mesh.face_count() << " faces";
+    }
+}
+
 TEST(Segment, BadOptionsAreErrorsAndALaterCallWorks) {
     PreparedMesh prepared(octahedron());
     SegmentOptions options = all_pairs_options(9);
