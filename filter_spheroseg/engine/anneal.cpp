@@ -192,7 +192,7 @@ void run_phases(Patchwork& patchwork,
             return;
         }
         report_progress(control.progress, static_cast<double>(p) / phases, step);
-        const Deadline watch;
+        const StopWatch watch;
         Phase phase;
         phase.temperature = schedule.temperature(p);
         phase.proposals_per_face =
@@ -202,9 +202,8 @@ void run_phases(Patchwork& patchwork,
         grouping.regroup(patchwork, boundary, phase.seed, schedule.thread_count);
         edges += run(phase, loads_of(p), grouping, boundary);
         grouping.collect(patchwork.load, boundary);
-        if (control.boundary_edges) {
-            control.boundary_edges->push_back(static_cast<double>(edges));
-            control.seconds->push_back(watch.elapsed_seconds());
+        if (control.history) {
+            control.history->add(static_cast<double>(edges), watch.elapsed_seconds());
         }
     }
 }

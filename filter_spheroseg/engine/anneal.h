@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "history.h"
 #include "patchwork.h"
 #include "progress.h"
 
@@ -54,9 +55,8 @@ struct AnnealControl {
     Progress progress;
     /// May be null. Anneals the groups instead of the cores, with the same result.
     AnnealDevice* device = nullptr;
-    /// May be null. One entry per phase is appended: boundary edges of the patchwork, seconds.
-    std::vector<double>* boundary_edges = nullptr;
-    std::vector<double>* seconds = nullptr;
+    /// May be null. Each phase is added to it.
+    History* history = nullptr;
 };
 
 /// Moves faces between neighbouring sub-meshes; all stay connected and free of bowties. In each

@@ -368,4 +368,14 @@ bool balance_exactly(Patchwork& patchwork,
     return Balancer(patchwork, max_work, deadline, progress).run();
 }
 
+bool is_near_balance(const Patchwork& patchwork) {
+    const int submesh_count = patchwork.submesh_count();
+    const int ceiling = (patchwork.face_count() + submesh_count - 1) / submesh_count;
+    std::int64_t excess = 0;
+    for (int load : patchwork.load) {
+        excess += std::max(0, load - ceiling);
+    }
+    return 10 * excess <= patchwork.face_count();
+}
+
 } // namespace spheroseg

@@ -22,4 +22,7 @@ bool balance_exactly(Patchwork& patchwork,
                      const Deadline* deadline = nullptr,
                      const Progress& progress = {});
 
+/// With unit weights: are at most a tenth of all faces too many where they are?
+bool is_near_balance(const Patchwork& patchwork);
+
 } // namespace spheroseg

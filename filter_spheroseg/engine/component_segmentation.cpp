@@ -11,7 +11,6 @@
 #include "warm_start.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <mutex>
 #include <numeric>
@@ -39,9 +38,9 @@ public:
           device_(device), result_(result) {}
 
     void run(int submesh_count) {
-        const Deadline watch;
+        const StopWatch watch;
         components_ = &components_of(prepared_);
-        const double preparation = watch.elapsed_seconds();
+        seconds_.parametrization += watch.elapsed_seconds();
         std::vector<int> face_counts;
         for (const Component& component : *components_) {
             face_counts.push_back(component.face_count());
@@ -72,8 +71,14 @@ public:
             (component_count > 1 || options_.balance == Balance::weight)) {
             keep_better_input(submesh_count);
         }
-        result_.parametrization_seconds += preparation;
-        result_.energy_by_iteration = result_.boundary_edges_by_iteration;
+        result_.parametrization_seconds = seconds_.parametrization;
+        result_.cohesion_seconds = seconds_.cohesion;
+        result_.refinement_seconds = seconds_.refinement;
+        result_.cohesion_iterations = history_.cohesion_iterations;
+        result_.refinement_iterations = history_.refinement_iterations();
+        result_.energy_by_iteration = history_.boundary_edges;
+        result_.boundary_edges_by_iteration = std::move(history_.boundary_edges);
+        result_.seconds_by_iteration = std::move(history_.seconds);
         result_.time_limit_hit = deadline_.expired();
     }
 
@@ -100,6 +105,9 @@ private:
             report_progress(progress_, 1.0, "Searching");
             if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
                 result_.labels = finest.labels(patchwork);
+                if (!options_.initial_labels.empty()) {
+                    rename_like(result_.labels, compacted(options_.initial_labels), submesh_count);
+                }
                 return;
             }
         }
@@ -188,8 +196,8 @@ private:
     }
 
     void segment_small(const std::vector<int>& small) {
-        const Deadline watch;
-        const std::array<double, 3> before = stage_seconds();
+        const StopWatch watch;
+        const StageSeconds before = std::exchange(seconds_, {});
         SegmentOptions options = options_;
         options.thread_count = 1;
         const int threads = resolve_thread_count(options_.thread_count);
@@ -199,7 +207,13 @@ private:
             segment_one(small[i], options, nullptr, heard);
             done_faces_ += (*components_)[small[i]].face_count();
         });
-        share_out_seconds(before, watch.elapsed_seconds());
+        // Side by side they spend more seconds than pass.
+        const double passed = watch.elapsed_seconds();
+        const double spent = seconds_.sum();
+        if (spent > passed) {
+            seconds_ *= passed / spent;
+        }
+        seconds_ += before;
     }
 
     void segment_one(int i,
@@ -207,74 +221,50 @@ private:
                      AnnealDevice* device,
                      const Progress& progress) {
         Component& component = (*components_)[i];
-        Segmentation part;
+        ComponentResult part;
         if (submesh_counts_[i] == 1) {
             part.labels.assign(component.face_count(), 0);
         } else {
             ComponentTask task = task_of(i);
             task.device = device;
             const bool is_sphere = prepared_.report().is_closed_genus_zero();
-            segment_component(component,
-                              is_sphere ? &prepared_ : nullptr,
-                              options,
-                              task,
-                              deadline_,
-                              progress,
-                              part);
+            part = segment_component(
+                component, is_sphere ? &prepared_ : nullptr, options, task, deadline_, progress);
         }
         for (int f = 0; f < component.face_count(); ++f) {
             result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
         }
         const std::lock_guard<std::mutex> lock(result_mutex_);
-        add_iterations(part);
-    }
-
-    std::array<double, 3> stage_seconds() const {
-        return {
-            result_.parametrization_seconds, result_.cohesion_seconds, result_.refinement_seconds};
-    }
-
-    /// Components that are worked on side by side spend more seconds than pass: what the stages
-    /// took since `before` is made to sum up to `passed`, if it is more.
-    void share_out_seconds(const std::array<double, 3>& before, double passed) {
-        const std::array<double, 3> now = stage_seconds();
-        double spent = 0.0;
-        for (int i = 0; i < 3; ++i) {
-            spent += now[i] - before[i];
-        }
-        const double share = spent > passed ? passed / spent : 1.0;
-        const auto shared = [&](int i) { return before[i] + share * (now[i] - before[i]); };
-        result_.parametrization_seconds = shared(0);
-        result_.cohesion_seconds = shared(1);
-        result_.refinement_seconds = shared(2);
+        result_.used_cuda = result_.used_cuda || part.used_cuda;
+        seconds_ += part.seconds;
+        add_iterations(part.history);
     }
 
     /// The n-th iterations of all components count as one; a component that has ended keeps its
     /// last number of boundary edges.
-    void add_iterations(const Segmentation& part) {
-        result_.used_cuda = result_.used_cuda || part.used_cuda;
-        result_.parametrization_seconds += part.parametrization_seconds;
-        result_.cohesion_seconds += part.cohesion_seconds;
-        result_.refinement_seconds += part.refinement_seconds;
-        const int cohesion = std::max(result_.cohesion_iterations, part.cohesion_iterations);
-        const int refinement = std::max(result_.refinement_iterations, part.refinement_iterations);
-        std::vector<double> edges(cohesion + refinement, 0.0);
-        std::vector<double> seconds(edges.size(), 0.0);
-        for (const Segmentation* from : {&static_cast<const Segmentation&>(result_), &part}) {
-            const auto count = static_cast<int>(from->seconds_by_iteration.size());
-            for (int n = 0; n < static_cast<int>(edges.size()) && count > 0; ++n) {
+    void add_iterations(const History& part) {
+        const int cohesion = std::max(history_.cohesion_iterations, part.cohesion_iterations);
+        const int all =
+            cohesion + std::max(history_.refinement_iterations(), part.refinement_iterations());
+        History sum;
+        sum.cohesion_iterations = cohesion;
+        for (int n = 0; n < all; ++n) {
+            double edges = 0.0;
+            double seconds = 0.0;
+            for (const History* from : {&std::as_const(history_), &part}) {
+                if (from->count() == 0) {
+                    continue;
+                }
                 const bool is_cohesion = n < cohesion;
                 const int own = is_cohesion ? n : from->cohesion_iterations + n - cohesion;
-                const int end = is_cohesion ? from->cohesion_iterations : count;
-                const int last = std::clamp(std::min(own, end - 1), 0, count - 1);
-                edges[n] += from->boundary_edges_by_iteration[last];
-                seconds[n] += own < end ? from->seconds_by_iteration[own] : 0.0;
+                const int end = is_cohesion ? from->cohesion_iterations : from->count();
+                const int last = std::clamp(std::min(own, end - 1), 0, from->count() - 1);
+                edges += from->boundary_edges[last];
+                seconds += own < end ? from->seconds[own] : 0.0;
             }
+            sum.add(edges, seconds);
         }
-        result_.boundary_edges_by_iteration = std::move(edges);
-        result_.seconds_by_iteration = std::move(seconds);
-        result_.cohesion_iterations = cohesion;
-        result_.refinement_iterations = refinement;
+        history_ = std::move(sum);
     }
 
     PreparedMesh& prepared_;
@@ -291,6 +281,8 @@ private:
     std::vector<ComponentLabels> labels_;
     std::atomic<int> done_faces_{0};
     std::mutex result_mutex_;
+    StageSeconds seconds_;
+    History history_;
 };
 
 } // namespace

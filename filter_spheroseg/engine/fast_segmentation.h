@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "history.h"
 #include "segment.h"
 
 namespace spheroseg {
@@ -23,6 +24,42 @@ struct ComponentTask {
     AnnealDevice* device = nullptr;
 };
 
+/// What is written of how long the stages took.
+struct StageSeconds {
+    /// All that does not depend on k, the map to the sphere too.
+    double parametrization = 0.0;
+    /// Starts, with their trials.
+    double cohesion = 0.0;
+    /// Annealing and balance.
+    double refinement = 0.0;
+
+    double sum() const { return parametrization + cohesion + refinement; }
+    StageSeconds& operator+=(const StageSeconds& other) {
+        parametrization += other.parametrization;
+        cohesion += other.cohesion;
+        refinement += other.refinement;
+        return *this;
+    }
+    StageSeconds& operator*=(double factor) {
+        parametrization *= factor;
+        cohesion *= factor;
+        refinement *= factor;
+        return *this;
+    }
+};
+
+struct ComponentResult {
+    /// One in [0, task.submesh_count) per face of the component.
+    std::vector<int> labels;
+    /// Of the start whose labels these are.
+    History history;
+    StageSeconds seconds;
+    bool used_cuda = false;
+    /// All sub-meshes are connected and free of bowties and, without weights, have a triangle count
+    /// that was asked for.
+    bool is_valid = false;
+};
+
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive
 /// bisection and Lloyd's relaxation of the dual graph (of few sub-meshes, the best of several
 /// starts of different kinds), annealing of the boundaries on every level, exact balance by chains
@@ -31,17 +68,17 @@ struct ComponentTask {
 /// balance can not be reached, it is tried again from other starts, and the best result is kept.
 /// With weights, the heaviest load is lowered (balance_by_weight) instead of the exact balance.
 /// With initial labels, the first start is these, adopted (adopt_labels) and refined on the finest
-/// level; if they are valid and balanced already, they also compete with the results.
+/// level; if they are valid and balanced already, they also compete with the results. Sub-meshes
+/// get the numbers that many of their faces had (rename_like).
 ///
-/// Fills labels (one in [0, task.submesh_count) per face of the component), iterations and times of
-/// `result`. The time limit cuts the annealing short, not what makes the result valid. `whole` is
-/// the mesh that the component is where that can be mapped to the sphere, else null.
-void segment_component(Component& component,
-                       PreparedMesh* whole,
-                       const SegmentOptions& options,
-                       const ComponentTask& task,
-                       const Deadline& deadline,
-                       const Progress& progress,
-                       Segmentation& result);
+/// The time limit cuts the annealing short, not what makes the result valid. `whole` is the mesh
+/// that the component is where that can be mapped to the sphere, else null. Throws Cancelled,
+/// DeviceError.
+ComponentResult segment_component(Component& component,
+                                  PreparedMesh* whole,
+                                  const SegmentOptions& options,
+                                  const ComponentTask& task,
+                                  const Deadline& deadline,
+                                  const Progress& progress);
 
 } // namespace spheroseg

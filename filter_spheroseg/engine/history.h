@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "anneal.h"
-
 #include <vector>
 
 namespace spheroseg {
 
 /// The iterations of a start, those of its cohesion first.
 struct History {
+    /// After each iteration; of a relaxation, before it.
     std::vector<double> boundary_edges;
     std::vector<double> seconds;
     int cohesion_iterations = 0;
@@ -18,10 +17,9 @@ struct History {
     int count() const { return static_cast<int>(seconds.size()); }
     int refinement_iterations() const { return count() - cohesion_iterations; }
 
-    /// Has a run over phases append its iterations here.
-    void record(AnnealControl& control) {
-        control.boundary_edges = &boundary_edges;
-        control.seconds = &seconds;
+    void add(double edges, double seconds_taken) {
+        boundary_edges.push_back(edges);
+        seconds.push_back(seconds_taken);
     }
 };
 

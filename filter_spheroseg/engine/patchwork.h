@@ -22,6 +22,8 @@ struct Patchwork {
     /// Sub-meshes may close around a limb. That makes short boundaries, but no move opens a ring
     /// again, so that a mesh with narrow limbs may then not be balanced.
     bool may_close_rings = true;
+    /// The last repair left sub-meshes that are not edge-connected, or have a bowtie.
+    bool may_be_unsound = false;
 
     int face_count() const { return static_cast<int>(cells.size()); }
     int submesh_count() const { return static_cast<int>(load.size()); }

@@ -65,13 +65,12 @@ public:
             report_progress(control.progress, static_cast<double>(i) / iterations, "Relaxation");
             const StopWatch watch;
             iterate();
-            if (control.boundary_edges) {
+            if (control.history) {
                 std::int64_t sides = 0;
                 for (const Worker& worker : workers_) {
                     sides += worker.sides;
                 }
-                control.boundary_edges->push_back(static_cast<double>(sides / 2));
-                control.seconds->push_back(watch.elapsed_seconds());
+                control.history->add(static_cast<double>(sides / 2), watch.elapsed_seconds());
             }
         }
     }

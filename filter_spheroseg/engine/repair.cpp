@@ -203,7 +203,7 @@ private:
                 continue;
             }
             if (next >= free_faces.size()) {
-                dissolve_heaviest(free_faces);
+                dissolve_largest(free_faces);
             }
             // Spread over the free faces.
             const std::size_t stride =
@@ -213,16 +213,21 @@ private:
         }
     }
 
-    /// Frees all faces but one of the sub-mesh with the largest load.
-    void dissolve_heaviest(std::vector<int>& free_faces) {
-        const auto heaviest =
-            static_cast<int>(std::max_element(patchwork_.load.begin(), patchwork_.load.end()) -
-                             patchwork_.load.begin());
+    /// Frees all faces but one of the sub-mesh with the most faces.
+    void dissolve_largest(std::vector<int>& free_faces) {
+        std::vector<int> face_counts(patchwork_.submesh_count(), 0);
+        for (const Cell& cell : patchwork_.cells) {
+            if (cell.label >= 0) {
+                ++face_counts[cell.label];
+            }
+        }
+        const auto largest = static_cast<int>(
+            std::max_element(face_counts.begin(), face_counts.end()) - face_counts.begin());
         bool is_first = true;
         for (int f = 0; f < patchwork_.face_count(); ++f) {
-            if (patchwork_.cells[f].label == heaviest && !std::exchange(is_first, false)) {
+            if (patchwork_.cells[f].label == largest && !std::exchange(is_first, false)) {
                 patchwork_.set_label(f, -1);
-                patchwork_.load[heaviest] -= patchwork_.cells[f].weight;
+                patchwork_.load[largest] -= patchwork_.cells[f].weight;
                 free_faces.push_back(f);
             }
         }
@@ -353,6 +358,7 @@ bool allow_rings(Patchwork& patchwork) {
 int repair(Patchwork& patchwork) {
     const std::vector<std::uint8_t> none(patchwork.submesh_count(), 0);
     const int forced = Repair(patchwork, none).run();
+    patchwork.may_be_unsound = forced > 0;
     return forced > 0 && allow_rings(patchwork) ? repair(patchwork) : forced;
 }
 
@@ -360,9 +366,11 @@ int repair_unsound(Patchwork& patchwork) {
     const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
     if (are_all_sound(sound)) {
         sum_loads(patchwork);
+        patchwork.may_be_unsound = false;
         return 0;
     }
     const int forced = Repair(patchwork, sound).run();
+    patchwork.may_be_unsound = forced > 0;
     return forced > 0 && allow_rings(patchwork) ? repair_unsound(patchwork) : forced;
 }
 

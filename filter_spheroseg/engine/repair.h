@@ -11,7 +11,8 @@ namespace spheroseg {
 /// around limbs, holes and handles where they did before, if the patchwork allows that; where faces
 /// are left over otherwise, it is made to allow it.
 /// Loads are brought up to date; they may be far from balanced. Returns the number of faces that
-/// no sub-mesh could take without a bowtie; these got the label of a neighbour nevertheless.
+/// no sub-mesh could take without a bowtie; these got the label of a neighbour nevertheless, and
+/// the patchwork is marked (`may_be_unsound`) if there are any.
 int repair(Patchwork& patchwork);
 
 /// The same, but sub-meshes that are edge-connected and free of bowties already keep all their

@@ -97,13 +97,10 @@ void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double be
     schedule.balance_weight_end = end / faces_per_submesh;
 }
 
-void uncoarsen(Patchwork& patchwork,
-               const Multilevel& multilevel,
-               int thread_count,
-               int& forced_faces) {
+void uncoarsen(Patchwork& patchwork, const Multilevel& multilevel, int thread_count) {
     const bool opened = multilevel.uncoarsen(patchwork, thread_count);
-    if (opened || forced_faces > 0) {
-        forced_faces = repair_unsound(patchwork);
+    if (opened || patchwork.may_be_unsound) {
+        repair_unsound(patchwork);
     }
 }
 

@@ -47,23 +47,19 @@ double hexagonal_edges(double face_count, int submesh_count);
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end);
 
 /// Turns a patchwork into that of the next finer level, if there is one, and repairs it where holes
-/// open, or could not be repaired before. `forced_faces`: of the last repair, as it returns them.
-void uncoarsen(Patchwork& patchwork,
-               const Multilevel& multilevel,
-               int thread_count,
-               int& forced_faces);
+/// open, or where it could not be repaired before.
+void uncoarsen(Patchwork& patchwork, const Multilevel& multilevel, int thread_count);
 
 /// Anneals a patchwork on its level by `schedule`, and then on all finer ones up to the first with
 /// at least `face_count` cells. `control_of(begin, end)` gives the control on a level that takes
-/// this part of the time, where levels of up to `done_faces` cells were annealed before;
-/// `forced_faces` is as in `uncoarsen`. Returns the last schedule.
+/// this part of the time, where levels of up to `done_faces` cells were annealed before. Returns
+/// the last schedule.
 template <typename ControlOf>
 AnnealSchedule anneal_levels(Patchwork& patchwork,
                              const Multilevel& multilevel,
                              const Schedules& schedules,
                              AnnealSchedule schedule,
                              int face_count,
-                             int& forced_faces,
                              const ControlOf& control_of,
                              int done_faces = 0) {
     // Boundaries and times grow with the square root of the number of cells.
@@ -85,7 +81,7 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
         }
         begin = end;
         schedule = schedules.next(schedule);
-        uncoarsen(patchwork, multilevel, schedule.thread_count, forced_faces);
+        uncoarsen(patchwork, multilevel, schedule.thread_count);
     }
 }
 
@@ -97,13 +93,12 @@ AnnealSchedule anneal_further_levels(Patchwork& patchwork,
                                      const Schedules& schedules,
                                      const AnnealSchedule& schedule,
                                      int face_count,
-                                     int& forced_faces,
                                      const ControlOf& control_of) {
     const int done_faces = patchwork.face_count();
     const AnnealSchedule next = schedules.next(schedule);
-    uncoarsen(patchwork, multilevel, next.thread_count, forced_faces);
+    uncoarsen(patchwork, multilevel, next.thread_count);
     return anneal_levels(
-        patchwork, multilevel, schedules, next, face_count, forced_faces, control_of, done_faces);
+        patchwork, multilevel, schedules, next, face_count, control_of, done_faces);
 }
 
 } // namespace spheroseg

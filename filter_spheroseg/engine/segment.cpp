@@ -49,7 +49,7 @@ void swap_all_pairs(const PreparedMesh& prepared,
                     Segmentation& result) {
     const int submesh_count = requested_submesh_count(options, prepared.mesh().face_count());
     limits.max_iterations = options.max_cohesion_iterations;
-    const Deadline cohesion_watch;
+    const StopWatch cohesion_watch;
     result.labels =
         random_balanced_labels(prepared.mesh().face_count(), submesh_count, options.seed);
     const SwapIterations cohesion = cohere_all_pairs(prepared.dual_graph(),
@@ -66,7 +66,7 @@ void swap_all_pairs(const PreparedMesh& prepared,
         measure(prepared.mesh(), prepared.dual_graph(), result.labels, submesh_count);
 
     limits.max_iterations = options.max_refinement_iterations;
-    const Deadline refinement_watch;
+    const StopWatch refinement_watch;
     const SwapIterations refinement = refine_all_pairs(
         prepared.dual_graph(), limits, result.labels, sub_progress(progress, 0.9, 1.0));
     record(result, refinement);
@@ -80,7 +80,7 @@ void segment_all_pairs(PreparedMesh& prepared,
                        const Deadline& deadline,
                        const Progress& progress,
                        Segmentation& result) {
-    const Deadline parametrization_watch;
+    const StopWatch parametrization_watch;
     const std::vector<Vec3> centroids = face_centroids_on_sphere(
         prepared.mesh(),
         prepared.parametrization(options.thread_count, sub_progress(progress, 0.0, 0.1)).positions);

@@ -13,7 +13,7 @@ std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork);
 
 bool are_all_sound(const std::vector<std::uint8_t>& sound_submeshes);
 
-/// Is that so for all of them?
+/// Is that so for all of them, whatever was repaired?
 bool is_sound(const Patchwork& patchwork);
 
 } // namespace spheroseg

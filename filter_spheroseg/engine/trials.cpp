@@ -105,7 +105,7 @@ private:
 
     static double cost(const Trial& trial) {
         const double edges = static_cast<double>(count_boundary_edges(trial.patchwork, 1));
-        return trial.forced_faces > 0 && !is_sound(trial.patchwork) ? 1e12 + edges : edges;
+        return trial.patchwork.may_be_unsound && !is_sound(trial.patchwork) ? 1e12 + edges : edges;
     }
 
     void keep_best(std::vector<Candidate>& candidates) const {
@@ -136,21 +136,20 @@ private:
         } else {
             bisect(trial.patchwork, submesh_count_, seed, 1);
             AnnealControl recorded = part_of(control, 0.0, 0.0);
-            trial.history.record(recorded);
+            recorded.history = &trial.history;
             relax(trial.patchwork, schedules_.budget.relaxations, 1, recorded);
             trial.history.cohesion_iterations = trial.history.count();
         }
         if (kind == 1) {
             anneal_freely_up(trial.patchwork, seed, begun);
         }
-        trial.forced_faces = repair(trial.patchwork);
+        repair(trial.patchwork);
         trial.schedule =
             anneal_levels(trial.patchwork,
                           multilevel_,
                           short_schedules_,
                           short_schedules_.first(seed),
                           kTrialFaces,
-                          trial.forced_faces,
                           parts_of(kind % 2 == 1 ? part_of(control, kBegun, 1.0) : control));
     }
 
@@ -202,13 +201,12 @@ private:
         if (trial.patchwork.face_count() >= kFinalFaces) {
             return;
         }
-        trial.history.record(control);
+        control.history = &trial.history;
         trial.schedule = anneal_further_levels(trial.patchwork,
                                                multilevel_,
                                                schedules_,
                                                trial.schedule,
                                                kFinalFaces,
-                                               trial.forced_faces,
                                                parts_of(control));
     }
 

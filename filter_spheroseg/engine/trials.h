@@ -12,8 +12,6 @@ struct Trial {
     Patchwork patchwork;
     /// Its last annealing.
     AnnealSchedule schedule;
-    /// As `repair` returns it.
-    int forced_faces = 0;
     History history;
 };
 

@@ -152,37 +152,52 @@ void share_anew(Patchwork& patchwork, std::uint64_t seed) {
 
 } // namespace
 
-int adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
+void adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
     spread_labels(patchwork);
     if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
         share_anew(patchwork, seed + kMaxRounds);
     }
-    int forced = repair_unsound(patchwork);
+    repair_unsound(patchwork);
     for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
         share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
-        forced = repair_unsound(patchwork);
+        repair_unsound(patchwork);
     }
-    return forced;
 }
 
 void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count) {
-    std::vector<std::pair<int, int>> pairs;
+    struct Overlap {
+        int label;
+        int name;
+        int face_count;
+    };
+    // Neighbours often follow each other, so that these are much fewer than the faces.
+    std::vector<Overlap> runs;
     for (std::size_t f = 0; f < labels.size(); ++f) {
-        if (names[f] >= 0) {
-            pairs.emplace_back(labels[f], names[f]);
+        if (names[f] < 0) {
+            continue;
         }
+        if (runs.empty() || runs.back().label != labels[f] || runs.back().name != names[f]) {
+            runs.push_back({labels[f], names[f], 0});
+        }
+        ++runs.back().face_count;
     }
-    std::sort(pairs.begin(), pairs.end());
-    std::vector<std::tuple<int, int, int>> overlaps; // minus common faces, label, name
-    for (auto run = pairs.begin(); run != pairs.end();) {
-        const auto end = std::upper_bound(run, pairs.end(), *run);
-        overlaps.emplace_back(static_cast<int>(run - end), run->first, run->second);
-        run = end;
+    std::sort(runs.begin(), runs.end(), [](const Overlap& a, const Overlap& b) {
+        return std::tie(a.label, a.name) < std::tie(b.label, b.name);
+    });
+    std::vector<Overlap> overlaps;
+    for (const Overlap& run : runs) {
+        if (overlaps.empty() || overlaps.back().label != run.label ||
+            overlaps.back().name != run.name) {
+            overlaps.push_back({run.label, run.name, 0});
+        }
+        overlaps.back().face_count += run.face_count;
     }
-    std::sort(overlaps.begin(), overlaps.end());
+    std::stable_sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
+        return a.face_count > b.face_count;
+    });
     std::vector<int> name_of(submesh_count, -1);
     std::vector<std::uint8_t> used(submesh_count, 0);
-    for (const auto& [count, label, name] : overlaps) {
+    for (const auto& [label, name, face_count] : overlaps) {
         if (name_of[label] < 0 && !used[name]) {
             name_of[label] = name;
             used[name] = 1;

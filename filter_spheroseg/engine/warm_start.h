@@ -13,9 +13,9 @@ namespace spheroseg {
 /// is possible. Sound sub-meshes of such loads keep their faces. Of the others the deepest piece
 /// stays; those that are too light are dissolved, and those that are too heavy are parted by
 /// bisection, where the first part keeps the label and the others get the labels that became free.
-/// Loads are brought up to date. Returns the number of faces that no sub-mesh could take without a
-/// bowtie, as `repair` does. Deterministic; `seed` shifts bisections.
-int adopt_labels(Patchwork& patchwork, std::uint64_t seed);
+/// Loads are brought up to date. The patchwork is marked as by `repair` where that left a bowtie.
+/// Deterministic; `seed` shifts bisections.
+void adopt_labels(Patchwork& patchwork, std::uint64_t seed);
 
 /// Gives `labels` new names (numbers in [0, submesh_count)) so that many faces have the name that
 /// they have in `names` (-1: none): pairs of old and new name with the most common faces first.

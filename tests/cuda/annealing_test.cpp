@@ -38,11 +38,10 @@ struct Outcome {
 Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDevice* device) {
     Patchwork patchwork = ragged_patchwork(levels, k, seed);
     Outcome run;
-    std::vector<double> seconds;
+    History history;
     AnnealControl control;
     control.device = device;
-    control.boundary_edges = &run.boundary_edges;
-    control.seconds = &seconds;
+    control.history = &history;
     anneal(patchwork, schedule_of(30, seed), control);
     run.annealed = cell_labels(patchwork);
     EXPECT_TRUE(balance_exactly(patchwork));
@@ -50,6 +49,7 @@ Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDe
     anneal_below(patchwork, heaviest_load(patchwork) + 2, schedule_of(10, seed + 1), control);
     run.labels = cell_labels(patchwork);
     run.load = patchwork.load;
+    run.boundary_edges = std::move(history.boundary_edges);
     return run;
 }
 

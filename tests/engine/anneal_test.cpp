@@ -23,11 +23,10 @@ TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
         bisect(patchwork, kSubmeshes, 0, threads);
         repair(patchwork);
         const int before = measures_of(levels, patchwork).boundary_edge_count;
-        std::vector<double> edges;
-        std::vector<double> seconds;
+        History history;
+        const std::vector<double>& edges = history.boundary_edges;
         AnnealControl control;
-        control.boundary_edges = &edges;
-        control.seconds = &seconds;
+        control.history = &history;
         anneal(patchwork, schedule_of(60, threads), control);
         const Measures annealed = measures_of(levels, patchwork);
         EXPECT_TRUE(is_sound(annealed));

@@ -283,6 +283,32 @@ TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
             EXPECT_TRUE(cut.measures.is_valid());
         }
     }
+    SegmentOptions by_weight = fast_options(150, Effort::draft);
+    by_weight.balance = Balance::weight;
+    for (int limit : {1, 13, 30, 60}) {
+        by_weight.max_refinement_iterations = limit;
+        const Segmentation cut = segment(prepared, by_weight);
+        expect_history(cut);
+        EXPECT_LE(cut.refinement_iterations, limit);
+    }
+}
+
+TEST(Fast, OfResultsThatAreNotValidTheBestBalancedOneIsKept) {
+    // Trees have as many boundary edges whatever the labels, and can mostly not be balanced. The
+    // start from random labels ends far from it, fresh ones do not.
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        constexpr int kFaces = 2000;
+        PreparedMesh prepared(random_tree(kFaces, seed), 1);
+        SegmentOptions options = fast_options(0, Effort::draft);
+        Random random(seed);
+        for (int f = 0; f < kFaces; ++f) {
+            options.initial_labels.push_back(f < 20 ? f : static_cast<int>(random.below(20)));
+        }
+        const Segmentation result = segment(prepared, options);
+        EXPECT_TRUE(is_sound(result.measures));
+        EXPECT_EQ(result.measures.boundary_edge_count, 19);
+        EXPECT_LT(result.measures.max_triangle_count_difference, 150);
+    }
 }
 
 } // namespace

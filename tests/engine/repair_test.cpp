@@ -58,6 +58,33 @@ TEST(Repair, LeavesNoSubmeshEmptyWhereNoFaceCanBeSparedAlone) {
     }
 }
 
+TEST(Repair, FillsEmptySubmeshesFromTheLargestWhereTheHeaviestIsOneFace) {
+    // A strip of twelve faces that is closed to a ring, and a heavy face on its rim.
+    constexpr int kAround = 6;
+    TriangleMesh mesh;
+    for (int i = 0; i < kAround; ++i) {
+        const int next = (i + 1) % kAround;
+        mesh.faces.push_back({i, next, kAround + next});
+        mesh.faces.push_back({i, kAround + next, kAround + i});
+    }
+    mesh.faces.push_back({1, 0, 2 * kAround});
+    mesh.positions.resize(2 * kAround + 1);
+    const Levels levels(mesh);
+    std::vector<int> weights(mesh.face_count(), 1);
+    weights.back() = 1000;
+    const Multilevel weighted = levels.multilevel.with_weights(weights);
+    Patchwork patchwork = weighted.coarsen(mesh.face_count(), 3);
+    std::vector<int> labels(mesh.face_count(), 0);
+    labels.back() = 1;
+    weighted.set_labels(patchwork, labels);
+    const int forced = repair(patchwork);
+    const Measures measures = measures_of(levels, patchwork);
+    EXPECT_GE(measures.min_submesh_triangles, 1);
+    EXPECT_EQ(is_sound(measures), forced == 0);
+    EXPECT_EQ(patchwork.may_be_unsound, forced > 0);
+    EXPECT_EQ(patchwork.load[1], 1000);
+}
+
 TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
     // Faces are numbered ring after ring, or row after row: each third is one sub-mesh, sound and
     // no disk.

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace spheroseg {
 namespace {
@@ -208,6 +210,46 @@ TriangleMesh row_and_fan(bool swapped) {
         std::rotate(mesh.faces.begin(), mesh.faces.begin() + 3, mesh.faces.end());
     }
     return mesh;
+}
+
+TEST(WarmStart, NumbersAreKeptByOtherStartsAndByTheSearchToo) {
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        const int face_count = 60 + 18 * static_cast<int>(seed);
+        PreparedMesh prepared(random_tree(face_count, seed), 1);
+        for (int k : {face_count / 2, face_count / 3}) {
+            SegmentOptions options;
+            options.submesh_count = k;
+            options.effort = Effort::draft;
+            // Labels that are valid where such exist, numbered the other way round; then six faces
+            // change sides.
+            std::vector<int> labels = segment(prepared, options).labels;
+            for (int& label : labels) {
+                label = k - 1 - label;
+            }
+            Random random(seed);
+            for (int i = 0; i < 6; ++i) {
+                const auto face = static_cast<int>(random.below(face_count));
+                for (int neighbor : prepared.dual_graph().neighbors[face]) {
+                    if (neighbor >= 0) {
+                        labels[face] = labels[neighbor];
+                    }
+                }
+            }
+            options.initial_labels = compacted(labels);
+            const Segmentation result = segment(prepared, options);
+            const auto kept = [&](const std::vector<int>& named) {
+                return std::inner_product(named.begin(),
+                                          named.end(),
+                                          options.initial_labels.begin(),
+                                          0,
+                                          std::plus<>(),
+                                          std::equal_to<>());
+            };
+            std::vector<int> renamed = result.labels;
+            rename_like(renamed, options.initial_labels, result.measures.submesh_count);
+            EXPECT_EQ(kept(result.labels), kept(renamed)) << face_count << " faces, k " << k;
+        }
+    }
 }
 
 TEST(WarmStart, ValidLabelsMayShareSubmeshesOutInAnotherWay) {

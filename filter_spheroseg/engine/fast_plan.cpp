@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fast_plan.h"
+
+#include "levels.h"
+#include "trials.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spheroseg {
+
+namespace {
+
+/// The start is made on a mesh with about so many faces per sub-mesh ...
+constexpr int kCoarseFacesPerSubmesh = 60;
+/// ... and at least so many in all, if there is such a level.
+constexpr int kMinCoarseFaces = 240;
+/// Faces from which on a sub-mesh is not small.
+constexpr int kSmallSubmesh = 86;
+/// Microseconds of a proposal; and per face of a relaxation, of bringing labels to finer levels,
+/// and of what follows the exchanges.
+constexpr double kProposal = 0.1;
+constexpr double kRelaxation = 0.03;
+constexpr double kUncoarsening = 0.1;
+constexpr double kFinish = 0.05;
+
+} // namespace
+
+FastPlan::FastPlan(int face_count, int submesh_count, Effort effort, int thread_count)
+    : face_count_(face_count),
+      submesh_count_(submesh_count), schedules_{budget_of(effort),
+                                                face_count <
+                                                    std::int64_t{kSmallSubmesh} * submesh_count,
+                                                thread_count},
+      first_face_count_(coarse_face_count()) {}
+
+int FastPlan::coarse_face_count() const {
+    return static_cast<int>(std::min<std::int64_t>(
+        face_count_,
+        std::max<std::int64_t>(kMinCoarseFaces,
+                               std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
+}
+
+bool FastPlan::coarsens() const {
+    return coarse_face_count() < MeshLevels::kLeastShare * face_count_;
+}
+
+void FastPlan::set_first_level(int cell_count) {
+    first_face_count_ =
+        std::max(coarse_face_count(), static_cast<int>(MeshLevels::kLeastShare * cell_count));
+}
+
+int FastPlan::relaxations() const {
+    return schedules_.budget.relaxations;
+}
+
+int FastPlan::trials() const {
+    return trial_count(schedules_.budget, first_face_count_);
+}
+
+StartCost FastPlan::cost_of_start(int trials) const {
+    const double faces = face_count_;
+    const double edges = hexagonal_edges(faces, submesh_count_);
+    const double first_faces = coarsens() ? coarse_face_count() : faces;
+    StartCost cost;
+    double proposals = 0.0;
+    double done_faces = first_faces;
+    if (trials > 1) {
+        const TrialWork work =
+            trial_work(trials, face_count_, submesh_count_, first_face_count_, schedules_);
+        cost.start = kProposal * work.proposals();
+        done_faces = work.face_count;
+    } else {
+        cost.start = kRelaxation * relaxations() * first_faces;
+        proposals = schedules_.first_proposals() * hexagonal_edges(first_faces, submesh_count_);
+    }
+    proposals += schedules_.further_proposals(hexagonal_edges(done_faces, submesh_count_), edges);
+    cost.levels = kProposal * proposals + (coarsens() ? kUncoarsening * faces : 0.0);
+    cost.exchanges = kProposal * schedules_.exchange_count(edges) + kFinish * faces;
+    return cost;
+}
+
+} // namespace spheroseg

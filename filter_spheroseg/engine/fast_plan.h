@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "schedules.h"
+
+namespace spheroseg {
+
+/// How long the steps of a start take, roughly, in microseconds on two cores.
+struct StartCost {
+    /// The first labels.
+    double start;
+    /// The annealing of the levels.
+    double levels;
+    double exchanges;
+
+    double sum() const { return start + levels + exchanges; }
+    /// The part of the time after which a step has ended.
+    double start_end() const { return start / sum(); }
+    double levels_end() const { return (start + levels) / sum(); }
+};
+
+/// How `fast` goes about a component of `face_count` faces and k = `submesh_count`, in
+/// [2, face_count]: where it starts, and how much it does.
+class FastPlan {
+public:
+    FastPlan(int face_count, int submesh_count, Effort effort, int thread_count);
+
+    /// For what is still to be done.
+    void set_effort(Effort effort) { schedules_.budget = budget_of(effort); }
+    const Schedules& schedules() const { return schedules_; }
+
+    /// The cells that the first level of a coarsened mesh has at least; the faces of another.
+    int coarse_face_count() const;
+    /// Is the mesh large enough for its sub-meshes to be started on a coarser one?
+    bool coarsens() const;
+
+    /// Takes note of how many cells the first level has in fact.
+    void set_first_level(int cell_count);
+    /// The least cells that it may have. As `coarse_face_count`; more where there is no level so
+    /// coarse.
+    int first_face_count() const { return first_face_count_; }
+
+    /// Iterations of Lloyd's relaxation of a single start.
+    int relaxations() const;
+    /// How many starts are worth their time where the layout decides, at least 1.
+    int trials() const;
+    /// Of a start that is the best of so many, or a single one.
+    StartCost cost_of_start(int trials) const;
+
+private:
+    int face_count_;
+    int submesh_count_;
+    Schedules schedules_;
+    int first_face_count_;
+};
+
+} // namespace spheroseg
