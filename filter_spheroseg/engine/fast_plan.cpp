@@ -17,6 +17,10 @@ constexpr int kCoarseFacesPerSubmesh = 60;
 constexpr int kMinCoarseFaces = 240;
 /// Faces from which on a sub-mesh is not small.
 constexpr int kSmallSubmesh = 86;
+/// On a first level that has fewer than one of so many faces there is time for more relaxations, up
+/// to so many times those of the budget.
+constexpr std::int64_t kCoarsening = 4;
+constexpr std::int64_t kMoreRelaxations = 4;
 /// Microseconds of a proposal; and per face of a relaxation, of bringing labels to finer levels,
 /// and of what follows the exchanges.
 constexpr double kProposal = 0.1;
@@ -51,7 +55,10 @@ void FastPlan::set_first_level(int cell_count) {
 }
 
 int FastPlan::relaxations() const {
-    return schedules_.budget.relaxations;
+    const std::int64_t least = schedules_.budget.relaxations;
+    return static_cast<int>(std::clamp(least * face_count_ / (kCoarsening * coarse_face_count()),
+                                       least,
+                                       kMoreRelaxations * least));
 }
 
 int FastPlan::trials() const {

@@ -40,7 +40,8 @@ public:
     /// coarse.
     int first_face_count() const { return first_face_count_; }
 
-    /// Iterations of Lloyd's relaxation of a single start.
+    /// Iterations of Lloyd's relaxation of a single start; more where the first level is so coarse
+    /// that they take little of the time.
     int relaxations() const;
     /// How many starts are worth their time where the layout decides, at least 1.
     int trials() const;
