@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <queue>
 #include <tuple>
@@ -150,6 +151,16 @@ void share_anew(Patchwork& patchwork, std::uint64_t seed) {
     spread_labels(patchwork);
 }
 
+/// In increasing order.
+std::vector<int> distinct_labels(const std::vector<int>& labels) {
+    std::vector<int> distinct;
+    // Neighbours often follow each other, which leaves little to sort.
+    std::unique_copy(labels.begin(), labels.end(), std::back_inserter(distinct));
+    std::sort(distinct.begin(), distinct.end());
+    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    return distinct;
+}
+
 } // namespace
 
 void adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
@@ -218,9 +229,7 @@ void rename_like(std::vector<int>& labels, const std::vector<int>& names, int su
 }
 
 std::vector<int> compacted(const std::vector<int>& labels) {
-    std::vector<int> distinct = labels;
-    std::sort(distinct.begin(), distinct.end());
-    distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+    const std::vector<int> distinct = distinct_labels(labels);
     std::vector<int> result(labels.size());
     for (std::size_t f = 0; f < labels.size(); ++f) {
         result[f] = static_cast<int>(std::lower_bound(distinct.begin(), distinct.end(), labels[f]) -
@@ -230,8 +239,7 @@ std::vector<int> compacted(const std::vector<int>& labels) {
 }
 
 int distinct_label_count(const std::vector<int>& labels) {
-    const std::vector<int> numbers = compacted(labels);
-    return numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
+    return static_cast<int>(distinct_labels(labels).size());
 }
 
 } // namespace spheroseg
