@@ -5,10 +5,12 @@
 
 namespace spheroseg {
 
-/// How much work an effort is worth: proposals per boundary face and phases of each annealing.
+/// How much work an effort is worth.
 struct Budget {
+    /// Iterations of Lloyd's relaxation.
     int relaxations;
-    /// On the first level, and instead where sub-meshes are small.
+    /// Proposals per boundary face on the first level; instead where sub-meshes are small; and on
+    /// each further level.
     double first_proposals;
     double small_first_proposals;
     double level_proposals;
@@ -16,22 +18,55 @@ struct Budget {
     /// trials together may have on the first level.
     double trial_share;
     int trial_faces;
+    /// Exchanges per boundary face at exact balance; instead where sub-meshes are small.
     double exchange_proposals;
-    double small_exchange_proposals; // the same
+    double small_exchange_proposals;
+    /// Temperatures of the annealing on the first level, and on each further one.
     int first_phases;
     int level_phases;
 };
 
 inline Budget budget_of(Effort effort) {
+    Budget budget = {};
     switch (effort) {
     case Effort::draft:
-        return {20, 38.0, 30.0, 25.0, 0.5, 4000, 20.0, 15.0, 12, 6};
-    case Effort::high:
-        return {60, 4000.0, 2500.0, 1500.0, 0.1, 6000, 1000.0, 2000.0, 48, 48};
+        budget.relaxations = 20;
+        budget.first_proposals = 38.0;
+        budget.small_first_proposals = 30.0;
+        budget.level_proposals = 25.0;
+        budget.trial_share = 0.5;
+        budget.trial_faces = 4000;
+        budget.exchange_proposals = 20.0;
+        budget.small_exchange_proposals = 15.0;
+        budget.first_phases = 12;
+        budget.level_phases = 6;
+        break;
     case Effort::standard:
+        budget.relaxations = 24;
+        budget.first_proposals = 90.0;
+        budget.small_first_proposals = 62.0;
+        budget.level_proposals = 52.0;
+        budget.trial_share = 0.5;
+        budget.trial_faces = 6000;
+        budget.exchange_proposals = 35.0;
+        budget.small_exchange_proposals = 24.0;
+        budget.first_phases = 24;
+        budget.level_phases = 12;
+        break;
+    case Effort::high:
+        budget.relaxations = 60;
+        budget.first_proposals = 4000.0;
+        budget.small_first_proposals = 2500.0;
+        budget.level_proposals = 1500.0;
+        budget.trial_share = 0.1;
+        budget.trial_faces = 6000;
+        budget.exchange_proposals = 1000.0;
+        budget.small_exchange_proposals = 2000.0;
+        budget.first_phases = 48;
+        budget.level_phases = 48;
         break;
     }
-    return {24, 90.0, 62.0, 52.0, 0.5, 6000, 35.0, 24.0, 24, 12};
+    return budget;
 }
 
 } // namespace spheroseg

@@ -177,7 +177,14 @@ TEST(WeightBalance, LowerLoadsKeepsEverySubmeshSoundAndNeverRaisesABalancedOne) 
             total += cell.weight;
         }
         const int limit = total / 40 * 11 / 10;
-        const std::vector<int> before = patchwork.load;
+        // A limit below the mean is out of reach.
+        Patchwork stuck = patchwork;
+        const int unreachable = total / 40 * 9 / 10;
+        EXPECT_FALSE(lower_loads(stuck, unreachable));
+        for (int l = 0; l < 40; ++l) {
+            EXPECT_TRUE(patchwork.load[l] > unreachable || stuck.load[l] <= unreachable) << l;
+        }
+        EXPECT_TRUE(is_sound(measures_of(levels, stuck)));
         EXPECT_TRUE(lower_loads(patchwork, limit));
         std::vector<int> loads(40, 0);
         for (const Cell& cell : patchwork.cells) {
