@@ -20,7 +20,7 @@ import pytest
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
-from spheroseg.batch import inputs, jobs
+from spheroseg.batch import inputs, jobs, runner
 from spheroseg.cli import main
 from spheroseg.errors import InputError
 from spheroseg.ply import ply_bytes
@@ -407,6 +407,56 @@ def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, 
     for row in expected:
         row["outputs"] = row["outputs"].removeprefix("part1/")
     assert rows(output) == expected
+
+
+@contextlib.contextmanager
+def dask_cluster(folder: Path, *worker_arguments):
+    """The address of a scheduler and a function that starts its only worker."""
+    file = folder / "scheduler.json"
+    worker = ("worker", "--scheduler-file", file, "--nthreads", 1, "--no-dashboard")
+    with contextlib.ExitStack() as running:
+        scheduler = ("scheduler", "--port", 0, "--scheduler-file", file, "--no-dashboard")
+        running.enter_context(dask(*scheduler))
+        wait_until(file.exists)
+
+        def start_worker():
+            running.enter_context(dask(*worker, *worker_arguments))
+
+        yield json.loads(file.read_text())["address"], start_worker
+
+
+def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    write_mesh(tmp_path / "in" / "a.ply")
+    with (
+        dask_cluster(tmp_path) as (address, start_worker),
+        distributed.Client(address, set_as_default=False) as client,
+    ):
+        processes = [
+            start_batch(
+                tmp_path / "in", "-o", tmp_path / f"out{k}", "-k", k, "--scheduler", address
+            )
+            for k in (3, 8)
+        ]
+        waiting = lambda dask_scheduler: sum(  # noqa: E731 (travels by value)
+            bool(state.wants_what) for state in dask_scheduler.clients.values()
+        )
+        wait_until(lambda: client.run_on_scheduler(waiting) == 2)
+        start_worker()
+        said = [process.communicate(timeout=120) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], said
+    for k in (3, 8):
+        assert [row["submesh_count"] for row in rows(tmp_path / f"out{k}")] == [str(k)]
+        assert (tmp_path / f"out{k}" / "a.ply").exists()
+
+
+def test_a_result_of_other_settings_is_refused(tmp_path):
+    job = jobs.Job("a.ply", "a", str(tmp_path), {"submesh_count": 3}, (".ply",), {})
+    own, other = ({"settings": job.settings() | {"options": {"submesh_count": k}}} for k in (3, 8))
+    assert runner._own_record(job, own) is own
+    refused = runner._own_record(job, other)
+    assert (refused["status"], refused["settings"]) == ("failed", job.settings())
+    assert "other settings" in refused["error"]
 
 
 def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):

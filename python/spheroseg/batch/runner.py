@@ -5,6 +5,7 @@ import csv
 import errno
 import io
 import logging
+import secrets
 import shlex
 import signal
 import time
@@ -182,6 +183,8 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
 
         return run_job(Job(**job))
 
+    # Clients of one scheduler that ask for one key all get the result of the first.
+    batch = secrets.token_hex(8)
     with client:
         # A job is done again when its worker is lost; its results are the same, written whole.
         submitted = {
@@ -190,7 +193,7 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
                 asdict(job),
                 pure=False,
                 retries=3,
-                key=f"spheroseg-{job.name}",
+                key=f"spheroseg-{batch}-{job.name}",
             ): job
             for job in jobs
         }
@@ -198,12 +201,19 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
             for future in as_completed(submitted, loop=client.loop):
                 error = future.exception()
                 if error is None:
-                    yield future.result()
+                    yield _own_record(submitted[future], future.result())
                 else:
                     message = " ".join(f"{type(error).__name__}: {error}".split())
                     yield failed_record(submitted[future], message)
         finally:
             client.cancel(list(submitted))
+
+
+def _own_record(job: Job, record: Record) -> Record:
+    """The record, or that of a failure when it tells of another job."""
+    if record["settings"] == job.settings():
+        return record
+    return failed_record(job, "the cluster gave the result of other settings; try again")
 
 
 def write_manifest(folder: Path, records: list[Record], form: str) -> Path:
