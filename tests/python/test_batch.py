@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent import futures
 from pathlib import Path
 
 import numpy as np
@@ -453,10 +454,47 @@ def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
 def test_a_result_of_other_settings_is_refused(tmp_path):
     job = jobs.Job("a.ply", "a", str(tmp_path), {"submesh_count": 3}, (".ply",), {})
     own, other = ({"settings": job.settings() | {"options": {"submesh_count": k}}} for k in (3, 8))
-    assert runner._own_record(job, own) is own
-    refused = runner._own_record(job, other)
+    own["status"] = "failed"
+    results = runner._ResultsOfCluster()
+    assert results.checked(job, own) is own
+    refused = results.checked(job, other)
     assert (refused["status"], refused["settings"]) == ("failed", job.settings())
     assert "other settings" in refused["error"]
+
+
+def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("distributed")
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output)]
+    assert main([*arguments, "-k", "3"]) == 0
+    (tmp_path / "own_disk.py").write_text(
+        "import dataclasses\nfrom spheroseg.batch import jobs\n"
+        "def run_job(job, run=jobs.run_job):\n"
+        f"    return run(dataclasses.replace(job, folder={str(tmp_path / 'elsewhere')!r}))\n"
+        "jobs.run_job = run_job\n"
+    )
+    monkeypatch.setattr(runner, "_ARRIVAL_SECONDS", 0.5, raising=False)
+    with dask_cluster(tmp_path, "--preload", tmp_path / "own_disk.py") as (address, start_worker):
+        start_worker()
+        assert main([*arguments, "-k", "8", "--resume", "--scheduler", address]) == 1
+    said = capsys.readouterr().err
+    assert said.count("DIR must be a folder that all machines share") == 2
+    assert f"not in {output} here" in said
+    assert [row["status"] for row in rows(output)] == ["failed", "failed"]
+    assert (tmp_path / "elsewhere" / "a.ply").exists()
+
+
+def test_a_result_that_a_network_shows_late_is_waited_for(tmp_path):
+    job = jobs.Job("a.ply", "a", str(tmp_path), {}, (".ply",), {})
+    record = {"status": "done", "settings": job.settings(), "outputs": {"a.ply": ""}}
+    record |= {"input_sha256": ""}
+    jobs.store(job, record | {"seconds": 1.0})
+    with futures.ThreadPoolExecutor() as network:
+        shown = network.submit(lambda: (time.sleep(0.4), (tmp_path / "a.ply").touch()))
+        assert runner._ResultsOfCluster().checked(job, record) is record
+        shown.result()
 
 
 def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):

@@ -4,6 +4,7 @@
 import csv
 import errno
 import io
+import json
 import logging
 import secrets
 import shlex
@@ -31,6 +32,7 @@ MANIFEST_STEM = "manifest"
 MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
 _GRACE_SECONDS = 2
+_ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 
 # Measures of the manifest: all single values that are the same on every run.
 _MEASURES = (
@@ -54,6 +56,7 @@ _MEASURES = (
     "used_cuda",
 )
 _OPTIONS = ("method", "effort", "seed", "balance")
+_IDENTITY = ("status", "settings", "input_sha256", "outputs")
 _SECONDS = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds", "total_seconds")
 
 Record = dict[str, Any]
@@ -198,10 +201,11 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
             for job in jobs
         }
         try:
+            results = _ResultsOfCluster()
             for future in as_completed(submitted, loop=client.loop):
                 error = future.exception()
                 if error is None:
-                    yield _own_record(submitted[future], future.result())
+                    yield results.checked(submitted[future], future.result())
                 else:
                     message = " ".join(f"{type(error).__name__}: {error}".split())
                     yield failed_record(submitted[future], message)
@@ -209,11 +213,46 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
             client.cancel(list(submitted))
 
 
-def _own_record(job: Job, record: Record) -> Record:
-    """The record, or that of a failure when it tells of another job."""
-    if record["settings"] == job.settings():
-        return record
-    return failed_record(job, "the cluster gave the result of other settings; try again")
+class _ResultsOfCluster:
+    """Believes a record of a worker only when what it tells of is here.
+
+    A network file system may show new files late, so the first that is missing is waited for; when
+    it does not come, the folder is taken for one that is not shared, and no other is waited for.
+    """
+
+    def __init__(self):
+        self.patience = _ARRIVAL_SECONDS
+
+    def checked(self, job: Job, record: Record) -> Record:
+        """The record, or that of a failure."""
+        if record["settings"] != job.settings():
+            return failed_record(job, "the cluster gave the result of other settings; try again")
+        if record["status"] != "done" or self._has_arrived(job, record):
+            return record
+        return failed_record(
+            job,
+            f"done on the worker, but the result is not in {job.folder} here: DIR must be a folder "
+            "that all machines share",
+        )
+
+    def _has_arrived(self, job: Job, record: Record) -> bool:
+        end = time.monotonic() + self.patience
+        while not _is_here(job, record):
+            if time.monotonic() >= end:
+                self.patience = 0
+                return False
+            time.sleep(0.2)
+        return True
+
+
+def _is_here(job: Job, record: Record) -> bool:
+    try:
+        stored = json.loads(job.record_path().read_text())
+        # Not of an earlier run; times differ where a lost worker did the job, too.
+        same = all(stored[name] == record[name] for name in _IDENTITY)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    return same and all((Path(job.folder) / name).is_file() for name in record["outputs"])
 
 
 def write_manifest(folder: Path, records: list[Record], form: str) -> Path:
