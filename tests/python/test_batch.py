@@ -565,19 +565,35 @@ def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypa
     assert json.loads(job.record_path().read_text()) == record
 
 
-def test_process_whose_parent_has_ended_does_nothing(tmp_path):
-    write_mesh(tmp_path / "a.ply")
-    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), {}, (".npy",), {})
-    with subprocess.Popen(["true"]) as ended:
-        pass
-    done = subprocess.run(
-        [sys.executable, "-m", "spheroseg.batch.worker", str(ended.pid)],
+def run_worker(job: jobs.Job, parent: int) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "spheroseg.batch.worker", str(parent)],
         input=json.dumps(dataclasses.asdict(job)),
         capture_output=True,
         text=True,
         env=jobs.package_environment(),
     )
+
+
+def test_process_whose_parent_has_ended_does_nothing(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    settings = {}, (".npy",), jobs.versions()
+    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), *settings)
+    with subprocess.Popen(["true"]) as ended:
+        pass
+    done = run_worker(job, ended.pid)
     assert (done.returncode, done.stderr) == (1, "")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_worker_of_another_version_does_nothing(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    settings = {}, (".npy",), jobs.versions() | {"spheroseg": "0.0.9"}
+    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), *settings)
+    done = run_worker(job, os.getpid())
+    assert done.returncode == 1
+    assert f"has spheroseg {spheroseg.__version__} instead of 0.0.9;" in done.stderr
+    assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 

@@ -11,10 +11,11 @@ import os
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from spheroseg import atomic
+from spheroseg import __version__, atomic
 
 RECORD_FOLDER = ".records"
 DISK_FULL_EXIT = 4
@@ -52,6 +53,11 @@ class Job:
 def sha256(path: Path) -> str:
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Of all that decides a result."""
+    return {"spheroseg": __version__, "pymeshlab": metadata.version("pymeshlab")}
 
 
 def finished_record(job: Job) -> dict[str, Any] | None:

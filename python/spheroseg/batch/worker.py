@@ -11,6 +11,7 @@ import ctypes
 import json
 import os
 import signal
+import socket
 import sys
 import time
 from pathlib import Path
@@ -18,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from spheroseg import api, atomic, mesh_files
-from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, store
+from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, store, versions
 from spheroseg.commands.shared import plain
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
@@ -34,6 +35,7 @@ def main() -> int:
     _be_interrupted_once()
     job = Job(**json.load(sys.stdin))
     try:
+        _check_versions(job)
         store(job, _record(job))
     except atomic.DiskFullError as error:
         print(error.strerror, file=sys.stderr)
@@ -46,6 +48,20 @@ def main() -> int:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED_EXIT
     return 0
+
+
+def _check_versions(job: Job) -> None:
+    """The record tells of the versions that the batch was started with."""
+    here = versions()
+    differing = [
+        f"{name} {here.get(name)} instead of {job.version.get(name)}"
+        for name in sorted(here | job.version)
+        if here.get(name) != job.version.get(name)
+    ]
+    if differing:
+        raise PluginError(
+            f"{socket.gethostname()} has {', '.join(differing)}; a batch needs the same everywhere"
+        )
 
 
 def _record(job: Job) -> dict:

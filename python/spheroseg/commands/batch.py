@@ -7,16 +7,15 @@ that was broken off, killed included, continues with --resume. docs/batch.md tel
 """
 
 import sys
-from importlib.metadata import version
 from os import cpu_count
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from spheroseg import __version__, api, atomic
+from spheroseg import api, atomic
 from spheroseg.batch import inputs, runner
-from spheroseg.batch.jobs import Job
+from spheroseg.batch.jobs import Job, versions
 from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.errors import InputError
@@ -102,7 +101,7 @@ def _jobs(arguments, workers: int) -> list[Job]:
     for name in formats:
         if name[1:] not in FORMATS:
             raise InputError(f"--formats knows {', '.join(FORMATS)}, but not '{name[1:]}'")
-    versions = {"spheroseg": __version__, "pymeshlab": version("pymeshlab")}
+    version = versions()
     return [
         Job(
             mesh=str(source.mesh.absolute()),
@@ -110,7 +109,7 @@ def _jobs(arguments, workers: int) -> list[Job]:
             folder=str(Path(arguments.output).absolute()),
             options=_own_options(options, source.submesh_count),
             formats=formats,
-            version=versions,
+            version=version,
             thread_count=threads,
         )
         for source in inputs.collect(arguments.inputs, Path(arguments.output))
