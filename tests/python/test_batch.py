@@ -8,6 +8,7 @@ import hashlib
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -172,6 +173,26 @@ def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
     # Other settings make every result another one.
     assert main([*arguments, "-k", "6", "--resume"]) == 0
     assert {row["submesh_count"] for row in rows(output)} == {"6"}
+
+
+def test_resume_does_again_what_another_plugin_did(tmp_path, monkeypatch):
+    write_mesh(tmp_path / "a.ply")
+    monkeypatch.setenv("SPHEROSEG_PLUGIN", shutil.copy(spheroseg.plugin_path(), tmp_path))
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(output), "-k", "4"]
+    assert main(arguments) == 0
+    record = output / jobs.RECORD_FOLDER / "a.json"
+    before = record.stat().st_mtime_ns
+    assert main([*arguments, "--resume"]) == 0
+    assert record.stat().st_mtime_ns == before
+    plugin = spheroseg.plugin_path()
+    assert rows(output)[0]["plugin"] == jobs.sha256(plugin)[:12]
+    # A byte after the end changes nothing that is loaded.
+    (tmp_path / "other").write_bytes(plugin.read_bytes() + b"\0")
+    monkeypatch.setenv("SPHEROSEG_PLUGIN", str(tmp_path / "other"))
+    assert main([*arguments, "--resume"]) == 0
+    assert record.stat().st_mtime_ns != before
+    assert rows(output)[0]["plugin"] == jobs.sha256(tmp_path / "other")[:12]
 
 
 def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):

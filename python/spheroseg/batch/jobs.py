@@ -15,7 +15,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from spheroseg import __version__, atomic
+from spheroseg import __version__, atomic, plugin_path
 
 RECORD_FOLDER = ".records"
 DISK_FULL_EXIT = 4
@@ -57,7 +57,16 @@ def sha256(path: Path) -> str:
 
 def versions() -> dict[str, str]:
     """Of all that decides a result."""
-    return {"spheroseg": __version__, "pymeshlab": metadata.version("pymeshlab")}
+    return {
+        "spheroseg": __version__,
+        "pymeshlab": metadata.version("pymeshlab"),
+        "plugin": plugin_digest(),
+    }
+
+
+def plugin_digest() -> str:
+    """Tells builds of the plugin apart."""
+    return sha256(plugin_path())[:12]
 
 
 def finished_record(job: Job) -> dict[str, Any] | None:

@@ -7,8 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from spheroseg import plugin_path
-from spheroseg.batch.jobs import sha256
+from spheroseg.batch.jobs import plugin_digest
 from spheroseg.bench import document, meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
 from spheroseg.bench.runner import row_of, run_mesh
@@ -105,7 +104,7 @@ def _runs(options, mesh: meshes.BenchMesh) -> list[Run]:
 
 def _measure(work: list[tuple[meshes.BenchMesh, list[Run]]], options, commit: str) -> None:
     path = options.output / ("sweep.csv" if options.validity_sweep else "runs.csv")
-    stamp = {"commit": commit, "plugin": sha256(plugin_path())[:12]}
+    stamp = {"commit": commit, "plugin": plugin_digest()}
     planned = [row_of(mesh, run, options.threads) for mesh, runs in work for run in runs]
     earlier = records.load(path) if options.resume else []
     store = records.Records(path, records.current(earlier, planned, stamp["plugin"]))
