@@ -284,6 +284,36 @@ def test_results_below_the_inputs_are_no_inputs(source, tmp_path, monkeypatch):
     assert [Path(row["mesh"]).name for row in rows(tmp_path / "in/results")] == ["a.ply", "b.ply"]
 
 
+def write_octahedron_obj(path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    vertices, faces = octahedron()
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    path.write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("source", [".", "*", "*.*"])
+def test_results_among_the_inputs_are_no_inputs(source, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ("a", "deep/b"):
+        write_octahedron_obj(tmp_path / f"{name}.obj")
+    meshes = ["a.obj", "b.obj"] if source != "*.*" else ["a.obj"]
+    arguments = ["batch", source, "-o", ".", "-k", "2"]
+    assert main(arguments) == 0
+    manifest = Path("manifest.csv").read_bytes()
+    for more in ([], ["--formats", "npy"], ["--formats", "npy"]):
+        assert main([*arguments, "--resume", *more]) == 0
+        assert [Path(row["mesh"]).name for row in rows(Path())] == meshes
+    # One that can not be done any more leaves its earlier result.
+    Path("a.obj").write_text("no mesh")
+    assert main([*arguments, "--resume"]) == 1
+    write_octahedron_obj(tmp_path / "a.obj")
+    assert main([*arguments, "--resume"]) == 0
+    assert Path("manifest.csv").read_bytes() == manifest
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "add --resume" in capsys.readouterr().err
+
+
 def test_a_mesh_that_is_named_itself_may_lie_in_the_output_folder(tmp_path):
     write_mesh(tmp_path / "a.ply")
     named = [str(tmp_path / "a.ply"), "-o", str(tmp_path), "-k", "5"]

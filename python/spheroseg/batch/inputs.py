@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from spheroseg import atomic
+from spheroseg.batch.jobs import known_results
 from spheroseg.errors import InputError
 from spheroseg.file_checks import check_is_file, check_name
 
@@ -24,17 +25,27 @@ class Source:
     submesh_count: int | None = None
 
 
-def collect(inputs: list[str], output: Path | None = None) -> list[Source]:
+class _Results:
+    """What a batch that is resumed has written to its folder."""
+
+    def __init__(self, folder: Path, resume: bool):
+        self.folder = folder.resolve()
+        self.names = known_results(folder) if resume else set()
+
+
+def collect(inputs: list[str], output: Path | None = None, *, resume: bool = False) -> list[Source]:
     """The meshes that `inputs` name, in their order, each once.
 
     A folder stands for all mesh files below it; a CSV file has a column `mesh` (relative to the
     CSV's folder) and may have a column `submesh_count` or `k`. A file that is named but absent is
-    kept: it fails on its own. A search around `output`, the folder for results, leaves out what
-    lies in there. Raises InputError for an input that names nothing.
+    kept: it fails on its own. A search leaves out results: what lies in `output`, the folder for
+    them, where it is further down, and with `resume` what batches have written there. Raises
+    InputError for an input that names nothing.
     """
+    results = None if output is None else _Results(output, resume)
     sources: dict[tuple, Source] = {}
     for text in inputs:
-        found = list(_expand(text, output and output.resolve()))
+        found = list(_expand(text, results))
         if not found:
             raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
         for source in found:
@@ -43,29 +54,34 @@ def collect(inputs: list[str], output: Path | None = None) -> list[Source]:
     return _with_unique_names(list(sources.values()))
 
 
-def _expand(text: str, output: Path | None):
+def _expand(text: str, results: _Results | None):
     path = Path(text)
     if path.is_dir():
         for mesh in sorted(path.rglob("*")):
             is_mesh = mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file()
-            if is_mesh and not (_is_result(mesh, path, output) or atomic.is_temporary(mesh)):
+            if is_mesh and not (_is_result(mesh, path, results) or atomic.is_temporary(mesh)):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
     elif path.suffix.lower() == ".csv":
         yield from _from_csv(path)
     elif not path.exists() and glob.has_magic(text):
         searched = next(parent for parent in path.parents if not glob.has_magic(str(parent)))
         for match in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207 (any pattern)
-            if not _is_result(Path(match), searched, output):
-                yield from _expand(match, output)
+            if not _is_result(Path(match), searched, results):
+                yield from _expand(match, results)
     else:
         yield Source(path, path.stem)
 
 
-def _is_result(path: Path, searched: Path, output: Path | None) -> bool:
-    """Whether a search of the folder `searched` came to `path` in an output folder further down."""
-    if output is None or searched.resolve() not in output.parents:
+def _is_result(path: Path, searched: Path, results: _Results | None) -> bool:
+    """Whether a search of the folder `searched` came to a result."""
+    if results is None:
         return False
-    return (path.parent.resolve() / path.name).is_relative_to(output)
+    place = path.parent.resolve() / path.name
+    if not place.is_relative_to(results.folder):
+        return False
+    if searched.resolve() in results.folder.parents:
+        return True
+    return place.relative_to(results.folder).as_posix() in results.names
 
 
 def _from_csv(path: Path):

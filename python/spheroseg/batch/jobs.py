@@ -18,6 +18,7 @@ from typing import Any
 from spheroseg import __version__, atomic, plugin_path
 
 RECORD_FOLDER = ".records"
+_RESULT_LIST = ".results"
 DISK_FULL_EXIT = 4
 INTERRUPTED_EXIT = 130
 
@@ -91,6 +92,23 @@ def is_of_success(path: Path) -> bool:
         return json.loads(path.read_text())["status"] == "done"
     except (ValueError, KeyError, TypeError):
         return True
+
+
+def remember_results(folder: Path, names: set[str]) -> None:
+    """Stores the names in `folder` of all files that batches write there.
+
+    Before the first of them, so that a run that is broken off leaves no result that nobody knows.
+    """
+    if names != known_results(folder):
+        text = json.dumps(sorted(names), indent=0)
+        atomic.write_text(folder / RECORD_FOLDER / _RESULT_LIST, text + "\n")
+
+
+def known_results(folder: Path) -> set[str]:
+    try:
+        return set(json.loads((folder / RECORD_FOLDER / _RESULT_LIST).read_text()))
+    except (OSError, ValueError, TypeError):
+        return set()  # no such list, or a damaged one
 
 
 def run_job(job: Job) -> dict[str, Any]:

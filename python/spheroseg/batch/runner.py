@@ -23,6 +23,8 @@ from spheroseg.batch.jobs import (
     failed_record,
     finished_record,
     is_of_success,
+    known_results,
+    remember_results,
     run_job,
     signal_running,
 )
@@ -72,8 +74,10 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
             "changed, or name another folder"
         )
+    results = known_results(folder) if resume else set()
     inputs = {_identity(Path(path)) for path in (*(job.mesh for job in jobs), *lists)} - {None}
-    for path, source in _outputs(folder, jobs):
+    for path, source in _outputs(folder.absolute(), jobs):
+        results.add(path.relative_to(folder.absolute()).as_posix())
         found = _identity(path)
         if found in inputs:
             raise InputError(
@@ -85,6 +89,7 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
                 "folder"
             )
     (folder / RECORD_FOLDER).mkdir(parents=True, exist_ok=True)
+    remember_results(folder, results)
 
 
 def _outputs(folder: Path, jobs: list[Job]) -> Iterator[tuple[Path, str]]:

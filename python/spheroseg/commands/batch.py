@@ -112,7 +112,9 @@ def _jobs(arguments, workers: int) -> list[Job]:
             version=version,
             thread_count=threads,
         )
-        for source in inputs.collect(arguments.inputs, Path(arguments.output))
+        for source in inputs.collect(
+            arguments.inputs, Path(arguments.output), resume=arguments.resume
+        )
     ]
 
 
