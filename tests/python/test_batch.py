@@ -195,6 +195,36 @@ def test_resume_does_again_what_another_plugin_did(tmp_path, monkeypatch):
     assert rows(output)[0]["plugin"] == jobs.sha256(tmp_path / "other")[:12]
 
 
+@pytest.mark.parametrize(
+    ("meshes", "options", "workers", "threads"),
+    [
+        (1, [], 1, 8),
+        (3, [], 3, 2),
+        (9, [], 8, 1),
+        (9, ["--workers", "2"], 2, 4),
+        (1, ["--workers", "4"], 1, 8),
+        (9, ["--workers", "20"], 9, 1),
+        (1, ["--threads", "3"], 1, 3),
+        (1, ["--scheduler", "tcp://127.0.0.1:1"], 1, 1),
+    ],
+)
+def test_the_cores_of_this_process_are_shared_out_among_the_meshes(
+    meshes, options, workers, threads, tmp_path, monkeypatch
+):
+    for index in range(meshes):
+        (tmp_path / f"{index}.ply").touch()
+    planned = []
+
+    def plan(jobs, _, *, worker_count, **others):
+        planned.append((len(jobs), worker_count, {job.thread_count for job in jobs}))
+        raise InputError("that will do")
+
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
+    monkeypatch.setattr(runner, "run_all", plan)
+    assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
+    assert planned == [(meshes, workers, {threads})]
+
+
 def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
     write_mesh(tmp_path / "a.ply")
     arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "3"]

@@ -2,7 +2,6 @@
 """Command line of the benchmark: `python -m spheroseg.bench --help`."""
 
 import argparse
-import os
 import sys
 import time
 from pathlib import Path
@@ -12,6 +11,7 @@ from spheroseg.bench import document, meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
 from spheroseg.bench.runner import row_of, run_mesh
 from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars, is_valid
+from spheroseg.cores import core_count
 from spheroseg.evaluate import environment
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -30,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     ]
     chosen.sort(key=lambda mesh: (mesh.triangle_count, mesh.name))
     facts = environment.surroundings()
-    options.threads = options.threads or os.cpu_count()
+    options.threads = options.threads or core_count()
     facts["threads"] = f"{options.threads} for ours, 1 for the partitioners"
     if not options.report_only:
         work = [(mesh, _runs(options, mesh)) for mesh in chosen]

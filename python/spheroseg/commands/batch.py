@@ -7,7 +7,6 @@ that was broken off, killed included, continues with --resume. docs/batch.md tel
 """
 
 import sys
-from os import cpu_count
 from pathlib import Path
 
 from rich.console import Console
@@ -18,6 +17,7 @@ from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import Job, versions
 from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
+from spheroseg.cores import core_count
 from spheroseg.errors import InputError
 from spheroseg.export import gltf_library
 from spheroseg.packages import require
@@ -60,13 +60,12 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    workers = arguments.workers if arguments.workers is not None else cpu_count() or 1
-    if workers < 1:
-        raise InputError(f"--workers must be 1 or more, got {workers}")
+    if arguments.workers is not None and arguments.workers < 1:
+        raise InputError(f"--workers must be 1 or more, got {arguments.workers}")
     folder = Path(arguments.output)
     shared.check_folder(folder)
     _check_packages(arguments)
-    jobs = _jobs(arguments, workers)
+    jobs, workers = _jobs(arguments)
     lists = [Path(text) for text in arguments.inputs]
     runner.prepare_folder(folder, jobs, lists, arguments.resume)
     atomic.remove_leftovers(folder)
@@ -88,21 +87,24 @@ def run(arguments) -> int:
     return 1 if failed else 0
 
 
-def _jobs(arguments, workers: int) -> list[Job]:
+def _jobs(arguments) -> tuple[list[Job], int]:
+    """The jobs, and how many of them run at a time on this machine."""
     options = _DEFAULTS | api.segment_parameters(segment_options(arguments))
     _check_ranges(options)
     if options.get("device") == "cuda" and not arguments.scheduler:
         api.segment(*api.TETRAHEDRON, 1, device="cuda")  # says what is missing
-    # Several meshes at a time use the cores better than several threads on one mesh.
     threads = options.pop("thread_count", None)
-    if threads is None:
-        threads = 1 if arguments.scheduler else max(1, (cpu_count() or 1) // workers)
     formats = tuple(f".{name}" for name in _formats(arguments))
     for name in formats:
         if name[1:] not in FORMATS:
             raise InputError(f"--formats knows {', '.join(FORMATS)}, but not '{name[1:]}'")
+    sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
+    # Several meshes at a time use the cores better than several threads on one mesh.
+    workers = min(arguments.workers or core_count(), len(sources))
+    if threads is None:
+        threads = 1 if arguments.scheduler else max(1, core_count() // workers)
     version = versions()
-    return [
+    jobs = [
         Job(
             mesh=str(source.mesh.absolute()),
             name=source.name,
@@ -112,10 +114,9 @@ def _jobs(arguments, workers: int) -> list[Job]:
             version=version,
             thread_count=threads,
         )
-        for source in inputs.collect(
-            arguments.inputs, Path(arguments.output), resume=arguments.resume
-        )
+        for source in sources
     ]
+    return jobs, workers
 
 
 def _formats(arguments) -> list[str]:

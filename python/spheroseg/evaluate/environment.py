@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where and with what a report was made."""
 
-import os
 import platform
 import subprocess
 from importlib import metadata
 from pathlib import Path
 
 from spheroseg import __version__
+from spheroseg.cores import core_count
 
 _PACKAGES = ("pymeshlab", "numpy", "pymetis", "kaminpar", "mtkahypar", "numba", "pyvista")
 
@@ -28,7 +28,7 @@ def surroundings() -> dict[str, str]:
     facts["Python"] = platform.python_version()
     facts["system"] = f"{platform.system()} {platform.release()} {platform.machine()}"
     facts["processor"] = _first_value("/proc/cpuinfo", "model name") or platform.processor()
-    facts["cores"] = str(os.cpu_count())
+    facts["cores"] = str(core_count())
     memory = _first_value("/proc/meminfo", "MemTotal")
     if memory:
         facts["memory"] = f"{int(memory.split()[0]) / 2**20:.1f} GiB"
@@ -37,9 +37,7 @@ def surroundings() -> dict[str, str]:
 
 def _threads() -> str:
     """Ours has as many as the plugin takes by default, the processors that it may use."""
-    allowed = getattr(os, "sched_getaffinity", None)
-    count = len(allowed(0)) if allowed else os.cpu_count()
-    return f"{count} for our methods, 1 for the others"
+    return f"{core_count()} for our methods, 1 for the others"
 
 
 def _commit() -> str:
