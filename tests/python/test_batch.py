@@ -10,6 +10,7 @@ import os
 import shlex
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -22,6 +23,7 @@ import pytest
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
+from spheroseg import atomic
 from spheroseg.batch import inputs, jobs, runner
 from spheroseg.cli import main
 from spheroseg.errors import InputError
@@ -145,12 +147,43 @@ def test_killed_and_resumed_run_gives_the_manifest_of_an_undisturbed_one(
     }
     assert len(finished) < GOOD
     assert not (output / "manifest.csv").exists()
+    stale = f".0.{process.pid}@{socket.gethostname()}{atomic.TEMPORARY_SUFFIX}"
+    (output / stale).write_text("half")
 
     code, _, _ = run_batch(folder_of_meshes, "-o", output, "-k", 5, "--resume")
     assert code == 1
     assert (output / "manifest.csv").read_bytes() == (undisturbed[0] / "manifest.csv").read_bytes()
     assert {path: path.stat().st_mtime_ns for path in finished} == finished
     assert not list(output.rglob("*.spheroseg-part"))
+
+
+def is_alive(process_id: int) -> bool:
+    try:
+        return Path(f"/proc/{process_id}/cmdline").read_bytes() != b""
+    except OSError:
+        return False
+
+
+def test_no_process_outlives_a_killed_batch(tmp_path):
+    write_mesh(tmp_path / "a.ply", levels=7)
+    options = ["-k", 20, "--effort", "high", "--threads", 1]
+    process = start_batch(tmp_path / "a.ply", "-o", tmp_path / "out", *options)
+    threads = Path(f"/proc/{process.pid}/task")
+    workers = []
+    try:
+        wait_until(lambda: any(path.read_text() for path in threads.glob("*/children")))
+        workers = [int(word) for p in threads.glob("*/children") for word in p.read_text().split()]
+        # Until it is far beyond its first steps; the mesh takes it many times as long.
+        wait_until(lambda: "libfilter_spheroseg" in Path(f"/proc/{workers[0]}/maps").read_text())
+        time.sleep(1)
+        process.kill()
+        process.communicate()
+        time.sleep(0.5)
+        assert not any(map(is_alive, workers))
+    finally:
+        process.kill()
+        for worker in filter(is_alive, workers):
+            os.kill(worker, signal.SIGKILL)
 
 
 def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
@@ -640,6 +673,7 @@ def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypa
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
     dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
     monkeypatch.setattr(jobs, "_run_worker", lambda _: dead)
+    jobs.store(job, jobs.failed_record(job, "", status="done"))  # of an earlier run
     record = jobs.run_job(job)
     assert record["status"] == "failed"
     assert "signal 11" in record["error"]
