@@ -87,7 +87,7 @@ def segment(
     that is less.
     face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
     takes the areas. initial_labels: (F,) whole numbers in [0, 2^24): repaired, balanced and refined
-    instead of a new start; k is then the number of different ones.
+    instead of a new start; k is then the number of different ones, and no other may be asked for.
     options: triangles_per_submesh (k = ceil(F / value) instead), balance, method, effort, device,
     seed, thread_count, max_cohesion_iterations, max_refinement_iterations, time_limit_seconds;
     names, meanings and defaults are those of the filter.
@@ -104,6 +104,7 @@ def segment(
         mesh_set = _mesh_set(vertices, faces)
     else:
         labels = as_labels(initial_labels, len(faces), name="initial_labels")
+        check_label_count(labels, parameters)
         mesh_set = labelled_mesh_set(vertices, faces, labels)
         parameters["initial_labels"] = "face_quality"
     if face_weights is not None:
@@ -160,6 +161,21 @@ def set_face_weights(
     parameters["weight_attribute"] = WEIGHT_ATTRIBUTE
 
 
+def check_label_count(labels: np.ndarray, parameters: dict[str, Any]) -> None:
+    """Raises InputError where `parameters` ask for another k than initial labels have."""
+    label_count = len(np.unique(labels))
+    wanted = {"submesh_count": parameters.get("submesh_count")}
+    size = parameters.get("triangles_per_submesh", 0)
+    if size > 0:
+        wanted["triangles_per_submesh"] = -(-len(labels) // size)
+    for name, count in wanted.items():
+        if count not in (None, label_count):
+            raise InputError(
+                f"{name}={parameters[name]} asks for {count} sub-meshes, but the initial labels "
+                f"have {label_count} different ones, which is k; leave {name} out"
+            )
+
+
 def sphere_positions(mesh_set: pymeshlab.MeshSet) -> np.ndarray:
     """The `sphere_position` attribute of the current mesh: (V, 3) unit vectors."""
     return mesh_set.current_mesh().vertex_custom_point_attribute_matrix(SPHERE_ATTRIBUTE)
@@ -196,9 +212,9 @@ def segment_parameters(options: dict[str, Any]) -> dict[str, Any]:
     for name, value in options.items():
         kind = int if name == "submesh_count" else _OPTIONS.get(name)
         if kind is None:
-            raise InputError(
-                f"segment has no option {name!r}; it has submesh_count, " + ", ".join(_OPTIONS)
-            )
+            known = ["submesh_count", "face_weights", "initial_labels", *_OPTIONS]
+            known.remove("weight_attribute")  # arrays have none
+            raise InputError(f"segment has no option {name!r}; it has {', '.join(known)}")
         parameters[name] = _checked_option(name, value, kind)
     if parameters.get("weight_attribute") and parameters.get("balance") != "weight":
         raise InputError(

@@ -292,6 +292,32 @@ def test_bad_labels_are_refused_with_the_reason(cube, labels, message):
     assert str(said.value).startswith("initial_labels")
 
 
+def test_an_unknown_option_is_answered_with_those_that_arrays_take(cube):
+    with pytest.raises(spheroseg.InputError) as said:
+        spheroseg.segment(*cube, weights=[1] * 12)
+    known = str(said.value).partition("it has ")[2].split(", ")
+    assert {"submesh_count", "face_weights", "initial_labels", "seed"} < set(known)
+    assert "weight_attribute" not in known
+
+
+@pytest.mark.parametrize(
+    ("wish", "message"),
+    [
+        ({"submesh_count": 4}, "submesh_count=4 asks for 4 sub-meshes, but the initial labels"),
+        ({"triangles_per_submesh": 5}, "triangles_per_submesh=5 asks for 3 sub-meshes, but"),
+    ],
+)
+def test_another_k_than_that_of_initial_labels_is_refused(cube, wish, message):
+    with pytest.raises(spheroseg.InputError, match=f"{message}.* have 2 different ones"):
+        spheroseg.segment(*cube, initial_labels=[0, 5] * 6, **wish)
+
+
+@pytest.mark.parametrize("wish", [{"submesh_count": 2}, {"triangles_per_submesh": 7}, {}])
+def test_the_k_of_initial_labels_may_be_given(cube, wish):
+    result = spheroseg.segment(*cube, initial_labels=[0, 5] * 6, **wish)
+    assert result.measures["submesh_count"] == 2
+
+
 def test_results_can_be_kept_in_sets(cube):
     results = [spheroseg.segment(*cube, 2), spheroseg.segment(*cube, 2)]
     assert len(set(results)) == 2

@@ -85,6 +85,16 @@ def test_the_command_line_takes_both_from_files(leaf, weights, tmp_path):
     assert (same.labels == labels).all()
 
 
+def test_the_command_line_refuses_another_k_than_that_of_initial_labels(leaf, tmp_path, capsys):
+    np.savetxt(tmp_path / "start.txt", np.arange(len(leaf[1])) * 8 // len(leaf[1]), fmt="%d")
+    arguments = ["segment", str(LEAF), "-q", "--initial-labels", str(tmp_path / "start.txt")]
+    assert cli.main([*arguments, "-k", "50"]) == 2
+    said = capsys.readouterr().err
+    assert "submesh_count=50 asks for 50 sub-meshes, but the initial labels have 8" in said
+    assert said.count("\n") == 1
+    assert cli.main([*arguments, "-k", "8"]) == 0
+
+
 def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
     path = tmp_path / "weights.txt"
     path.write_text("1\nheavy\n")

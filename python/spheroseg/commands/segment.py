@@ -86,7 +86,9 @@ def run(arguments) -> int:
     if arguments.weights:
         api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
     if arguments.initial_labels:
-        mesh_files.set_labels(mesh_set, shared.read_labels(arguments.initial_labels, mesh_set))
+        labels = shared.read_labels(arguments.initial_labels, mesh_set)
+        api.check_label_count(labels, options)
+        mesh_files.set_labels(mesh_set, labels)
         options["initial_labels"] = "face_quality"
     measures = shared.run_with_progress(
         mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
