@@ -739,6 +739,58 @@ def test_meshes_that_differ_in_suffix_get_different_names(tmp_path, monkeypatch)
     assert [s.name for s in inputs.collect(["."])] == ["a_obj", "a_ply", "b"]
 
 
+MODELS = ["one/model.obj", "one/model.ply", "two/model.obj", "three/other.obj"]
+
+
+@pytest.fixture
+def models(tmp_path, monkeypatch) -> Path:
+    """Files as data sets have them, each in a folder, with a list of them."""
+    monkeypatch.chdir(tmp_path)
+    for name in MODELS:
+        (tmp_path / "set" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "set" / name).touch()
+    text = "\n".join(["mesh,k", "one/model.obj,3", "one/model.obj,4", "two/model.obj,3", "x.obj,"])
+    (tmp_path / "set" / "list.csv").write_text(text + f"\n{tmp_path / 'x.obj'},\n../y.obj,\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        (["set/*/model.obj"], ["one/model", "two/model"]),
+        (["set/*/*.obj"], ["one/model", "other", "two/model"]),
+        (["set/*/*.*"], ["one/model_obj", "one/model_ply", "other", "two/model"]),
+        (["set/o*/*.*"], ["model_obj", "model_ply"]),
+        (["set/*o"], ["model"]),
+        (["set/[ot][nw][eo]"], ["one/model_obj", "one/model_ply", "two/model"]),
+        (["set"], ["one/model_obj", "one/model_ply", "three/other", "two/model"]),
+    ],
+)
+def test_meshes_of_one_name_get_their_folders_in_it(given, names, models):
+    assert [source.name for source in inputs.collect(given)] == names
+
+
+def test_meshes_of_one_name_in_a_list_get_their_folders_in_it(models):
+    with pytest.raises(InputError, match="would both be written as 'x_obj'"):
+        inputs.collect(["set/list.csv"])
+    text = (models / "set" / "list.csv").read_text()
+    (models / "set" / "list.csv").write_text(text.replace("\nx.obj,", ""))
+    names = [source.name for source in inputs.collect(["set/list.csv"])]
+    assert names == ["one/model-k3", "model-k4", "two/model-k3", "x", "y"]
+
+
+def test_a_batch_of_meshes_of_one_name_can_be_resumed(tmp_path):
+    for name in ("one", "two"):
+        write_octahedron_obj(tmp_path / "set" / name / "model.obj")
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "set/*/model.obj"), "-o", str(output), "-k", "2"]
+    assert main(arguments) == 0
+    before = {path: path.stat().st_mtime_ns for path in output.glob("*/model.ply")}
+    assert [path.parent.name for path in sorted(before)] == ["one", "two"]
+    assert main([*arguments, "--resume"]) == 0
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

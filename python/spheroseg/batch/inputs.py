@@ -3,8 +3,9 @@
 
 import csv
 import glob
+import os
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from spheroseg import atomic
@@ -18,11 +19,13 @@ _COUNT_COLUMNS = ("submesh_count", "k")
 
 @dataclass(frozen=True)
 class Source:
-    """A mesh of a batch. `name` is its place below the output folder, without suffix."""
+    """A mesh of a batch. `name` is its place below the output folder, without suffix; `long_name`
+    another one, with the folders below that of the list or the search that led to the mesh."""
 
     mesh: Path
     name: str
     submesh_count: int | None = None
+    long_name: str | None = None
 
 
 class _Results:
@@ -67,7 +70,8 @@ def _expand(text: str, results: _Results | None):
         searched = next(parent for parent in path.parents if not glob.has_magic(str(parent)))
         for match in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207 (any pattern)
             if not _is_result(Path(match), searched, results):
-                yield from _expand(match, results)
+                for source in _expand(match, results):
+                    yield source if source.long_name else _with_long_name(source, searched)
     else:
         yield Source(path, path.stem)
 
@@ -104,7 +108,8 @@ def _csv_rows(path: Path):
             if not (row["mesh"] or "").strip() or "\0" in row["mesh"]:
                 raise InputError(f"{path}: line {reader.line_num}: names no mesh")
             mesh = path.parent / row["mesh"].strip()
-            yield Source(mesh, mesh.stem if count is None else f"{mesh.stem}-k{count}", count)
+            name = mesh.stem if count is None else f"{mesh.stem}-k{count}"
+            yield _with_long_name(Source(mesh, name, count), path.parent)
 
 
 def _count(path: Path, line: int, text: str | None) -> int | None:
@@ -119,17 +124,27 @@ def _count(path: Path, line: int, text: str | None) -> int | None:
     return count
 
 
+def _with_long_name(source: Source, root: Path) -> Source:
+    """With the folders from `root` to the mesh, if it lies below."""
+    folder = Path(os.path.relpath(source.mesh.parent, root))
+    if ".." in folder.parts:
+        return source
+    return replace(source, long_name=(folder / Path(source.name).name).as_posix())
+
+
 def _with_unique_names(sources: list[Source]) -> list[Source]:
-    """Meshes that differ only in their suffix get it as part of their name."""
-    uses = Counter(source.name for source in sources)
-    named = [
-        source
-        if uses[source.name] == 1
-        else Source(
-            source.mesh, f"{source.name}_{source.mesh.suffix[1:].lower()}", source.submesh_count
-        )
-        for source in sources
-    ]
+    """Meshes with one name that differ in their suffixes get these as part of it, others their
+    long names."""
+    uses = Counter((source.name, source.mesh.suffix.lower()) for source in sources)
+    shared = {name for (name, _), count in uses.items() if count > 1}
+    named = _with_suffixes(
+        [
+            replace(source, name=source.long_name or source.name)
+            if source.name in shared
+            else source
+            for source in sources
+        ]
+    )
     first: dict[str, Source] = {}
     for source in named:
         other = first.setdefault(source.name, source)
@@ -139,3 +154,13 @@ def _with_unique_names(sources: list[Source]) -> list[Source]:
                 "the folder above them instead, or use two output folders"
             )
     return named
+
+
+def _with_suffixes(sources: list[Source]) -> list[Source]:
+    uses = Counter(source.name for source in sources)
+    return [
+        source
+        if uses[source.name] == 1
+        else replace(source, name=f"{source.name}_{source.mesh.suffix[1:].lower()}")
+        for source in sources
+    ]
