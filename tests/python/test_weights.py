@@ -95,6 +95,44 @@ def test_the_command_line_refuses_another_k_than_that_of_initial_labels(leaf, tm
     assert cli.main([*arguments, "-k", "8"]) == 0
 
 
+@pytest.mark.parametrize("command", ["split", "export"])
+def test_commands_that_segment_first_take_weights_from_a_file(command, leaf, weights, tmp_path):
+    np.save(tmp_path / "weights.npy", weights)
+    output = tmp_path / ("parts" if command == "split" else "blocks.npz")
+    arguments = [command, str(LEAF), "--weights", str(tmp_path / "weights.npy"), "-o", str(output)]
+    assert cli.main([*arguments, "-k", "12", "--balance", "weight"]) == 0
+    expected = spheroseg.segment(*leaf, 12, balance="weight", face_weights=weights).labels
+    assert expected.tolist() != spheroseg.segment(*leaf, 12, balance="weight").labels.tolist()
+    if command == "split":
+        entries = json.loads((output / "manifest.json").read_text())["submeshes"]
+        counts = [entry["triangle_count"] for entry in entries]
+    else:
+        with np.load(output) as blocks:
+            counts = np.diff(blocks["triangle_starts"]).tolist()
+    assert counts == np.bincount(expected).tolist()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["-k", "12"], "balance='weight'"),
+        (["--labels", "labels.npy"], "--weights would make others"),
+        ([], "has no labels"),
+    ],
+)
+def test_weights_that_would_change_nothing_are_refused(
+    options, message, weights, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("weights", "labels"):
+        np.save(tmp_path / f"{name}.npy", weights)
+    arguments = ["export", str(LEAF), "--weights", "weights.npy", "-o", "o.npz", *options]
+    assert cli.main(arguments) == 2
+    said = capsys.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+
+
 def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
     path = tmp_path / "weights.txt"
     path.write_text("1\nheavy\n")

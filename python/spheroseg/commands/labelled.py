@@ -24,6 +24,11 @@ def add_arguments(parser) -> None:
         "--triangles-per-submesh", type=int, metavar="N", help="into ceil(F / N) sub-meshes"
     )
     segment.add_segment_options(group)
+    group.add_argument(
+        "--weights",
+        metavar="FILE.npy|.txt",
+        help="weights, one per triangle, for --balance weight (default: areas)",
+    )
 
 
 @dataclass(frozen=True)
@@ -38,12 +43,12 @@ class LabelledMesh:
 def read(arguments) -> LabelledMesh:
     """The mesh with the labels of the file itself, of --labels or of a segmentation."""
     options = api.segment_parameters(segment.segment_options(arguments))
-    if arguments.labels and options:
-        option = next(iter(options)).replace("_", "-")
-        raise InputError(f"--labels brings the labels; --{option} would make others")
+    given = [name.replace("_", "-") for name in options] + ["weights"] * bool(arguments.weights)
+    if arguments.labels and given:
+        raise InputError(f"--labels brings the labels; --{given[0]} would make others")
     # The mesh lives as long as its MeshSet, so all arrays are taken here.
     mesh_set = mesh_files.read_mesh(arguments.mesh)
-    labels = _labels(arguments, mesh_set, options)
+    labels = _labels(arguments, mesh_set, options, given)
     mesh = mesh_set.current_mesh()
     vertices = mesh.vertex_matrix()
     try:
@@ -53,10 +58,12 @@ def read(arguments) -> LabelledMesh:
     return LabelledMesh(vertices, submeshes, mesh_files.face_colours(mesh))
 
 
-def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray:
+def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict, given: list[str]) -> np.ndarray:
     if arguments.labels:
         return shared.read_labels(arguments.labels, mesh_set)
     if options.keys() & {"submesh_count", "triangles_per_submesh"}:
+        if arguments.weights:
+            api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
         shared.run_with_progress(
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
         )
@@ -65,10 +72,9 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict) -> np.ndarray
             f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "
             "with --labels, or segment it with -k N"
         )
-    elif options:
-        option = next(iter(options)).replace("_", "-")
+    elif given:
         raise InputError(
-            f"{arguments.mesh} has labels, which --{option} does not change; leave it out, or "
+            f"{arguments.mesh} has labels, which --{given[0]} does not change; leave it out, or "
             "segment the mesh anew with -k N"
         )
     return mesh_set.current_mesh().face_scalar_array()
