@@ -65,6 +65,13 @@ def face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
     return np.round(255 * mesh.face_color_matrix()[:, :3]).astype(np.uint8)
 
 
+def vertex_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
+    """(V, 3) uint8, or None for a mesh without vertex colours."""
+    if not mesh.has_vertex_color():
+        return None
+    return np.round(255 * mesh.vertex_color_matrix()[:, :3]).astype(np.uint8)
+
+
 def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
     """Writes the current mesh as binary PLY with the attributes that it has, and its textures
     unless a file of such a name is there.

@@ -57,8 +57,10 @@ def _table(columns: dict[str, np.ndarray], row_count: int) -> tuple[np.ndarray, 
     return table, [f"property {_PLY_TYPES[code[1:]]} {name}" for name, code in types]
 
 
-def colour_properties(colours: np.ndarray) -> dict[str, np.ndarray]:
-    """(N, 3) uint8 colours as the properties that viewers know."""
+def colour_properties(colours: np.ndarray | None) -> dict[str, np.ndarray]:
+    """(N, 3) uint8 colours as the properties that viewers know; none for None."""
+    if colours is None:
+        return {}
     opaque = np.full(len(colours), 255, dtype=np.uint8)
     return {
         "red": colours[:, 0],

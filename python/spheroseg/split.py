@@ -21,12 +21,13 @@ def write_split(
     folder: Path,
     source: str,
     face_colours: np.ndarray | None = None,
+    vertex_colours: np.ndarray | None = None,
 ) -> Path:
     """Writes `submesh_0000.ply` and so on and, last, `manifest.json`; returns its path.
 
     Each file has the vertex property `source_vertex`, the face property `source_face` and, as face
-    `quality`, the label. `face_colours`, (F, 3) uint8, are kept where given. An empty sub-mesh has
-    no file: its entry in the manifest says null.
+    `quality`, the label. `face_colours`, (F, 3) uint8, and `vertex_colours`, (V, 3), are kept where
+    given. An empty sub-mesh has no file: its entry in the manifest says null.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -36,7 +37,7 @@ def write_split(
         name = f"submesh_{submesh:0{digits}d}.ply"
         positions, triangles = submeshes.block(submesh)
         if len(triangles) > 0:
-            data = _submesh_bytes(submeshes, submesh, vertices, face_colours)
+            data = _submesh_bytes(submeshes, submesh, vertices, face_colours, vertex_colours)
             atomic.write_bytes(folder / name, data)
         entries.append(_entry(submeshes, submesh, name, len(positions), len(triangles)))
     manifest = {"source": source, "submesh_count": submeshes.count, "submeshes": entries}
@@ -45,7 +46,9 @@ def write_split(
     return path
 
 
-def _submesh_bytes(submeshes: SubMeshes, submesh: int, vertices, face_colours) -> bytes:
+def _submesh_bytes(
+    submeshes: SubMeshes, submesh: int, vertices, face_colours, vertex_colours
+) -> bytes:
     source_vertices = submeshes.source_vertices[
         slice(*submeshes.vertex_starts[submesh : submesh + 2])
     ]
@@ -58,10 +61,13 @@ def _submesh_bytes(submeshes: SubMeshes, submesh: int, vertices, face_colours) -
     }
     if face_colours is not None:
         face_properties |= colour_properties(face_colours[source_faces])
+    vertex_properties = {"source_vertex": source_vertices}
+    if vertex_colours is not None:
+        vertex_properties |= colour_properties(vertex_colours[source_vertices])
     return ply_bytes(
         np.asarray(vertices)[source_vertices],
         submeshes.block(submesh)[1],
-        {"source_vertex": source_vertices},
+        vertex_properties,
         face_properties,
     )
 

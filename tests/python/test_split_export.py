@@ -294,6 +294,24 @@ def test_split_files_give_back_the_mesh(labelled, tmp_path):
     assert total == len(faces)
 
 
+def test_split_and_batch_keep_the_colours_of_vertices(labelled, tmp_path):
+    vertices, faces, _ = labelled
+    colours = np.random.default_rng(4).integers(0, 256, vertices.shape, dtype=np.uint8)
+    mesh = tmp_path / "mesh.ply"
+    mesh.write_bytes(ply_bytes(vertices, faces, colour_properties(colours)))
+    of_place = dict(zip(map(tuple, vertices.tolist()), colours.tolist(), strict=True))
+    assert main(["split", str(mesh), "-k", "3", "-o", str(tmp_path / "parts")]) == 0
+    assert main(["batch", str(mesh), "-k", "3", "-o", str(tmp_path / "out")]) == 0
+    written = [*(tmp_path / "parts").glob("*.ply"), tmp_path / "out" / "mesh.ply"]
+    assert len(written) == 4
+    for path in written:
+        meshes = pymeshlab.MeshSet()
+        meshes.load_new_mesh(str(path))
+        found = np.round(255 * meshes.current_mesh().vertex_color_matrix()[:, :3]).tolist()
+        places = map(tuple, meshes.current_mesh().vertex_matrix().tolist())
+        assert found == [of_place[place] for place in places]
+
+
 def test_split_writes_the_source_indices(labelled, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     vertices, faces, labels = labelled

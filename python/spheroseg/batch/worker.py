@@ -97,7 +97,8 @@ def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
     colours = mesh_files.face_colours(mesh)
     if suffix == ".ply":
         properties = {"quality": labels.astype(np.float32)} | colour_properties(colours)
-        return ply_bytes(vertices, faces, face_properties=properties)
+        of_vertices = colour_properties(mesh_files.vertex_colours(mesh))
+        return ply_bytes(vertices, faces, of_vertices, properties)
     if suffix == ".npy":
         return mesh_files.npy_bytes(labels)
     submeshes = split_into_submeshes(vertices, faces, labels)

@@ -33,11 +33,13 @@ def add_arguments(parser) -> None:
 
 @dataclass(frozen=True)
 class LabelledMesh:
-    """Vertices (V, 3), the sub-meshes and, where the mesh has them, (F, 3) uint8 face colours."""
+    """Vertices (V, 3), the sub-meshes and, where the mesh has them, uint8 colours: (F, 3) of faces
+    and (V, 3) of vertices."""
 
     vertices: np.ndarray
     submeshes: SubMeshes
     face_colours: np.ndarray | None
+    vertex_colours: np.ndarray | None
 
 
 def read(arguments) -> LabelledMesh:
@@ -55,7 +57,8 @@ def read(arguments) -> LabelledMesh:
         submeshes = split_into_submeshes(vertices, mesh.face_matrix(), labels)
     except InputError as error:
         raise InputError(f"{arguments.mesh}: {error}") from None
-    return LabelledMesh(vertices, submeshes, mesh_files.face_colours(mesh))
+    colours = mesh_files.face_colours(mesh), mesh_files.vertex_colours(mesh)
+    return LabelledMesh(vertices, submeshes, *colours)
 
 
 def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict, given: list[str]) -> np.ndarray:

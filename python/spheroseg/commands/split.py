@@ -25,7 +25,14 @@ def run(arguments) -> int:
         raise InputError(f"{folder}: must be a new or an empty folder")
     mesh = labelled.read(arguments)
     try:
-        write_split(mesh.submeshes, mesh.vertices, folder, arguments.mesh, mesh.face_colours)
+        write_split(
+            mesh.submeshes,
+            mesh.vertices,
+            folder,
+            arguments.mesh,
+            mesh.face_colours,
+            mesh.vertex_colours,
+        )
     except atomic.DiskFullError as error:
         error.strerror += f", after emptying {folder}"
         raise
