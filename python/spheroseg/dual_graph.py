@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,11 @@ class DualGraph:
         source = np.repeat(np.arange(self.face_count), np.diff(self.starts))
         once = source < self.adjacent
         return np.column_stack((source[once], self.adjacent[once]))
+
+    @functools.cached_property
+    def component_count(self) -> int:
+        """Number of connected components, counted once."""
+        return len(np.unique(self.component_of_triangle()))
 
     def component_of_triangle(self) -> np.ndarray:
         """The lowest triangle of the connected component that each triangle is in."""

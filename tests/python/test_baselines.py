@@ -5,6 +5,7 @@ import math
 import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -12,9 +13,12 @@ from judge import Judge
 from shapes import bumpy_sphere, octahedron, subdivided_sphere
 from surfaces import SURFACES
 
-from spheroseg import baselines
-from spheroseg.baselines import build_dual_graph, load
+from spheroseg import baselines, dual_graph
+from spheroseg.baselines import build_dual_graph, kaminpar_exact, load
 from spheroseg.baselines.metis_limit import ufactor_for_limit
+from spheroseg.bench.methods import MeshRuns
+from spheroseg.errors import InputError
+from spheroseg.evaluate.methods import METHODS
 
 PACKAGES = {name: baseline.package for name, baseline in baselines.BASELINES.items()}
 
@@ -149,6 +153,48 @@ def test_one_part_takes_all(name):
 
 
 @pytest.mark.parametrize("name", baselines.baseline_names())
+def test_prepared_baseline_gives_the_labels_of_the_plain_one(name):
+    segment = method(name)
+    vertices, faces = bumpy_sphere(2, 1)
+    prepared = baselines.prepare(name, vertices, faces, build_dual_graph(faces))
+    for k in (1, 5):
+        labels = prepared(k, 3)
+        assert labels.dtype == np.int32
+        # Mt-KaHyPar's labels depend on the calls before.
+        if name != "mtkahypar_quality":
+            assert np.array_equal(labels, segment(vertices, faces, k, 3))
+
+
+@pytest.mark.parametrize("name", sorted(set(PACKAGES) - {"region_growing"}))
+@pytest.mark.parametrize("program", ["bench", "evaluate"])
+def test_no_clock_of_a_partitioner_covers_what_only_the_mesh_decides(name, program, monkeypatch):
+    method(name)
+    vertices, faces = bumpy_sphere(2, 1)
+    graph = build_dual_graph(faces)
+    runs = MeshRuns(vertices, faces)
+    events = []
+    for owner, function in (
+        (time, "perf_counter"),
+        (dual_graph, "lowest_connected"),
+        (dual_graph, "build_dual_graph"),
+        (dual_graph.DualGraph, "edges"),
+        (kaminpar_exact, "metis_text"),
+    ):
+        original = getattr(owner, function)
+
+        def recorded(*arguments, original=original, function=function):
+            events.append(function)
+            return original(*arguments)
+
+        monkeypatch.setattr(owner, function, recorded)
+    if program == "bench":
+        runs.rival(name, 5, 1)
+    else:
+        METHODS[name].run(vertices, faces, 5, 1, graph)
+    assert events[-2:] == ["perf_counter", "perf_counter"]
+
+
+@pytest.mark.parametrize("name", baselines.baseline_names())
 @pytest.mark.parametrize("k", [0, 9])
 def test_rejects_impossible_part_count(name, k):
     vertices, faces = octahedron()
@@ -278,8 +324,10 @@ def test_dual_graph_of_any_surface_has_the_judges_components_and_fans(name):
 def test_contiguous_metis_of_several_components_is_refused_and_not_garbage():
     vertices, faces = SURFACES["touching discs"].make()
     for name in ("metis_kway", "metis_tight", "metis_limit"):
-        with pytest.raises(RuntimeError, match="the mesh has 6"):
+        with pytest.raises(InputError, match="the mesh has 6"):
             method(name)(vertices, faces, 12, 0)
+        with pytest.raises(InputError, match="the mesh has 6"):
+            baselines.prepare(name, vertices, faces, build_dual_graph(faces))
     assert len(np.unique(method("metis_recursive")(vertices, faces, 12, 0))) == 12
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from spheroseg.baselines._common import as_labels, checked_graph, require
 from spheroseg.dual_graph import DualGraph
+from spheroseg.errors import InputError
 
 
 def partition(
@@ -15,18 +16,12 @@ def partition(
 ) -> np.ndarray:
     """Labels by METIS; `options` are METIS options by their lower-case names.
 
-    Raises RuntimeError when contiguous parts are asked for on more than one component: METIS
-    refuses that, and pymetis then returns whatever was in memory.
+    Raises InputError when contiguous parts are asked for on more than one component.
     """
     pymetis = require("pymetis")
     graph = checked_graph(faces, k, seed, graph)
     if options.get("contig"):
-        component_count = len(np.unique(graph.component_of_triangle()))
-        if component_count > 1:
-            raise RuntimeError(
-                "METIS makes contiguous parts of one component only, but the mesh has "
-                f"{component_count}; compare with metis_recursive"
-            )
+        require_one_component(graph)
     # METIS leaves a single part's labels alone, and with a part per triangle it may leave parts
     # empty; neither is a question of quality.
     if k == 1:
@@ -38,3 +33,13 @@ def partition(
         options=pymetis.Options(seed=seed, **options),
     )
     return as_labels(result.vertex_part)
+
+
+def require_one_component(graph: DualGraph) -> None:
+    """METIS refuses contiguous parts of several components, and pymetis then returns whatever was
+    in memory."""
+    if graph.component_count > 1:
+        raise InputError(
+            "METIS makes contiguous parts of one component only, but the mesh has "
+            f"{graph.component_count}; compare with metis_recursive"
+        )

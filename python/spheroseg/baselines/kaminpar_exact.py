@@ -5,6 +5,7 @@ multilevel graph partitioning", 2021)."""
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,14 +25,24 @@ def segment(
 ) -> np.ndarray:
     """Labels by KaMinPar `strong`: the first F mod k parts hold at most ceil(F/k) triangles, the
     others floor(F/k), so every part is exactly full. The same labels again only on one thread."""
-    return partition(load_graph(faces, k, seed, graph), len(faces), k, seed, thread_count)
-
-
-def load_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None = None):
-    """KaMinPar's own graph. Its package reads graphs from files only, so a stop watch that is to
-    measure the partitioner alone calls this first and then `partition`."""
-    kaminpar = require("kaminpar")
     graph = checked_graph(faces, k, seed, graph)
+    return partition(load_graph(graph), len(faces), k, seed, thread_count)
+
+
+def prepare(vertices: np.ndarray, faces: np.ndarray, graph: DualGraph) -> Callable:
+    """See `baselines.prepare`."""
+    own = load_graph(graph)
+
+    def run(k: int, seed: int) -> np.ndarray:
+        checked_graph(faces, k, seed, graph)
+        return partition(own, len(faces), k, seed, thread_count=1)
+
+    return run
+
+
+def load_graph(graph: DualGraph):
+    """KaMinPar's own graph, which its package reads from files only."""
+    kaminpar = require("kaminpar")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "dual.graph"
         path.write_text(metis_text(graph))

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 
 import numpy as np
 
@@ -30,14 +31,23 @@ def segment(
     graph = checked_graph(faces, k, seed, graph)
     if k == 1:
         return np.zeros(graph.face_count, dtype=np.int32)
-    return partition(load_graph(faces, graph=graph, thread_count=thread_count), k, seed)
+    return partition(load_graph(graph, thread_count), k, seed)
 
 
-def load_graph(faces: np.ndarray, *, graph: DualGraph | None = None, thread_count: int = 1):
-    """Mt-KaHyPar's own graph and its preset. Its package takes edges as Python tuples, so a stop
-    watch that is to measure the partitioner alone calls this first and then `partition`."""
+def prepare(vertices: np.ndarray, faces: np.ndarray, graph: DualGraph) -> Callable:
+    """See `baselines.prepare`."""
+    own = load_graph(graph, thread_count=1)
+
+    def run(k: int, seed: int) -> np.ndarray:
+        checked_graph(faces, k, seed, graph)
+        return partition(own, k, seed) if k > 1 else np.zeros(len(faces), dtype=np.int32)
+
+    return run
+
+
+def load_graph(graph: DualGraph, thread_count: int):
+    """Mt-KaHyPar's own graph, which its package makes of Python tuples, and its preset."""
     mtkahypar = require("mtkahypar")
-    graph = checked_graph(faces, 1, 0, graph)
     initializer = _initializer(thread_count)
     context = initializer.context_from_preset(mtkahypar.PresetType.QUALITY)
     context.logging = False

@@ -7,6 +7,7 @@ and writing the labels.
 """
 
 import ctypes
+import functools
 import re
 import time
 from collections.abc import Callable
@@ -17,7 +18,6 @@ import numpy as np
 import pymeshlab
 
 from spheroseg import api, baselines
-from spheroseg.baselines import kaminpar_exact, mtkahypar_quality
 from spheroseg.bench.statistics import STAGES
 from spheroseg.dual_graph import DualGraph, build_dual_graph
 
@@ -32,29 +32,23 @@ class Timed:
 
 
 class MeshRuns:
-    """One mesh with the graphs that the partitioners want, each built once."""
+    """One mesh with what the partitioners want of it, each made once."""
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray):
         self.vertices = vertices
         self.faces = faces
-        self._graphs: dict[str, object] = {}
+        self._rivals: dict[str, Callable[[int, int], np.ndarray]] = {}
 
     def rival(self, method: str, k: int, seed: int) -> Timed:
         """A partitioner on one thread."""
-        if method == "kaminpar_exact":
-            graph = self._graph(
-                method, lambda dual: kaminpar_exact.load_graph(self.faces, 2, 0, dual)
+        if method not in self._rivals:
+            self._rivals[method] = baselines.prepare(
+                method, self.vertices, self.faces, self._dual_graph
             )
-            return _timed(lambda: kaminpar_exact.partition(graph, len(self.faces), k, seed, 1))
-        if method == "mtkahypar_quality":
-            graph = self._graph(
-                method, lambda dual: mtkahypar_quality.load_graph(self.faces, graph=dual)
-            )
-            return _timed(lambda: mtkahypar_quality.partition(graph, k, seed))
-        segment = baselines.load(method)
-        dual = self._graph("dual", lambda dual: dual)
-        segment(*api.TETRAHEDRON, 2, 0)  # loads the library
-        return _timed(lambda: segment(self.vertices, self.faces, k, seed, graph=dual))
+        segment = self._rivals[method]
+        began = time.perf_counter()
+        labels = segment(k, seed)
+        return Timed(labels, time.perf_counter() - began)
 
     def first_call(self, effort: str, k: int, seed: int, thread_count: int) -> Timed:
         """Ours on a mesh that the plugin has not seen."""
@@ -73,12 +67,9 @@ class MeshRuns:
         timed = self._ours(mesh_set, effort, k, seed, thread_count)
         return Timed(timed.labels, timed.seconds, {"peak_bytes": _memory("VmHWM") - before})
 
-    def _graph(self, name: str, build: Callable[[DualGraph], object]) -> object:
-        if "dual" not in self._graphs:
-            self._graphs["dual"] = build_dual_graph(self.faces)
-        if name not in self._graphs:
-            self._graphs[name] = build(self._graphs["dual"])
-        return self._graphs[name]
+    @functools.cached_property
+    def _dual_graph(self) -> DualGraph:
+        return build_dual_graph(self.faces)
 
     def _unseen(self) -> pymeshlab.MeshSet:
         """A new MeshSet with the mesh, of which the plugin has prepared nothing."""
@@ -103,12 +94,6 @@ class MeshRuns:
         seconds = time.perf_counter() - began
         labels = mesh_set.current_mesh().face_scalar_array().astype(np.int32)
         return Timed(labels, seconds, {name: measures[name] for name in STAGES})
-
-
-def _timed(call: Callable[[], np.ndarray]) -> Timed:
-    began = time.perf_counter()
-    labels = call()
-    return Timed(labels, time.perf_counter() - began)
 
 
 def _start_of_peak() -> int:

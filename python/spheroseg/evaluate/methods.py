@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The methods that a report compares: ours by method and effort, and the baselines."""
 
-import functools
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -60,19 +59,11 @@ def _ours(**options) -> Callable[..., Outcome]:
     return run
 
 
-@functools.cache
-def _warmed_up(name: str) -> Callable[..., np.ndarray]:
-    """The baseline after a first call that imports its library or compiles it."""
-    segment = baselines.load(name)
-    segment(*api.TETRAHEDRON, 2, 0)
-    return segment
-
-
 def _baseline(name: str) -> Callable[..., Outcome]:
     def run(vertices, faces, k, seed, graph) -> Outcome:
-        segment = _warmed_up(name)
+        segment = baselines.prepare(name, vertices, faces, graph)
         began = time.perf_counter()
-        labels = segment(vertices, faces, k, seed, graph=graph)
+        labels = segment(k, seed)
         return Outcome(labels, time.perf_counter() - began)
 
     return run
