@@ -198,6 +198,14 @@ def run_filter(mesh_set: pymeshlab.MeshSet, name: str, **parameters: Any) -> dic
     }
 
 
+def plain(measures: dict[str, Any]) -> dict[str, Any]:
+    """The measures with arrays as lists, for JSON."""
+    return {
+        key: value.tolist() if isinstance(value, np.ndarray) else value
+        for key, value in measures.items()
+    }
+
+
 def forget_prepared_mesh() -> None:
     """Makes the next call one on a mesh that the plugin has not seen, for a fair stop watch.
 

@@ -306,6 +306,46 @@ def test_method_that_fails_costs_a_line_and_exit_code_one(tmp_path, capsys, monk
     assert "failed: this baseline needs" in (tmp_path / "out" / "report.html").read_text()
 
 
+# Before it fails, each of them works on the mesh of the warm-up.
+BROKEN_CALLS = {
+    "abort": ("import os; os.abort()", "the process was ended by signal 6"),
+    "memory": ("raise MemoryError", "MemoryError"),
+    "labels": ("return GraphPartition([-1] * (len(graph.starts) - 1))", "labels"),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN_CALLS)
+def test_method_that_breaks_down_costs_only_its_own_rows(kind, tmp_path, capsys, monkeypatch):
+    failure, reason = BROKEN_CALLS[kind]
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "one.ply").write_bytes(ply_bytes(*bumpy_sphere(2, 1)))
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "pymetis.py").write_text(
+        "from collections import namedtuple\n"
+        "CSRAdjacency = namedtuple('CSRAdjacency', 'starts adjacent')\n"
+        "GraphPartition = namedtuple('GraphPartition', 'vertex_part')\n"
+        "def Options(**_): return None\n"
+        "def part_graph(k, graph, **_):\n"
+        "    if len(graph.starts) == 5: return GraphPartition([0, 1, 1, 1])\n"
+        f"    {failure}\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "broken"))
+    methods = ("region_growing", "metis_kway", "fast_draft")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=methods) == 1
+    rows = results(tmp_path / "out")
+    assert [(row["submesh_count"], row["method"]) for row in rows] == [
+        (k, method) for k in (5, 16) for method in methods
+    ]
+    failed = [row for row in rows if row["status"] == "failed"]
+    assert [row["method"] for row in failed] == ["metis_kway"] * 2
+    assert all(row["status"] == "done" for row in rows if row not in failed)
+    said = capsys.readouterr().err
+    for row in failed:
+        assert reason in row["error"]
+        assert f"failed: one, k = {row['submesh_count']}, metis_kway: {row['error']}" in said
+        assert row["triangle_count"] == 128
+
+
 def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):
     write_inputs(tmp_path / "in")
     (tmp_path / "in" / "broken.ply").write_text("no mesh")

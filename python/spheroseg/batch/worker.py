@@ -20,7 +20,6 @@ import numpy as np
 
 from spheroseg import api, atomic, mesh_files
 from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, store, versions
-from spheroseg.commands.shared import plain
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.file_checks import check_is_file
@@ -70,7 +69,7 @@ def _record(job: Job) -> dict:
     digest = sha256(Path(job.mesh))
     mesh_set = mesh_files.read_mesh(job.mesh)
     options = job.options | {"thread_count": job.thread_count}
-    measures = plain(api.run_filter(mesh_set, api.SEGMENT_FILTER, **options))
+    measures = api.plain(api.run_filter(mesh_set, api.SEGMENT_FILTER, **options))
     mesh = mesh_set.current_mesh()
     labels = mesh.face_scalar_array().astype(np.int32)
     outputs = {}

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does the runs of a plan mesh by mesh, each mesh in a process of its own."""
 
-import json
-import subprocess
-import sys
+import collections
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
 
-from spheroseg.batch.jobs import package_environment
+from spheroseg import workers
 from spheroseg.bench.meshes import BenchMesh
 from spheroseg.bench.plan import Run
 from spheroseg.bench.records import Records, key_of
@@ -31,37 +29,23 @@ def run_mesh(
         [run for run in todo if run.measurement != "memory"],
         [run for run in todo if run.measurement == "memory"],
     ):
-        while group:
-            done = 0
-            for run, result in zip(group, _results(mesh, group, thread_count), strict=False):
-                row = row_of(mesh, run, thread_count) | result | stamp
-                records.add(row)
-                on_row(row)
-                done += 1
-            group = group[done:]
+        for run, result in _results(mesh, group, thread_count):
+            row = row_of(mesh, run, thread_count) | result | stamp
+            records.add(row)
+            on_row(row)
 
 
-def _results(mesh: BenchMesh, runs: list[Run], thread_count: int) -> Iterable[dict]:
-    """A result per run; a last one with the status `failed` where the process ended early."""
-    job = {"mesh": asdict(mesh), "runs": [run.as_job() for run in runs]}
-    with subprocess.Popen(
-        [sys.executable, "-m", "spheroseg.bench.worker"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-        env=package_environment(),
-    ) as process:
-        try:
-            process.stdin.write(json.dumps(job | {"thread_count": thread_count}))
-            process.stdin.close()
-            for line in process.stdout:
-                yield json.loads(line)
-        except BaseException:
-            process.kill()
-            raise
-    if process.returncode != 0:
-        yield {"status": "failed", "error": f"the process ended with {process.returncode}"}
+def _results(mesh: BenchMesh, runs: list[Run], thread_count: int) -> Iterable[tuple[Run, dict]]:
+    """Each run with its result; all that are left have failed where the mesh can not be read."""
+    job = {"mesh": asdict(mesh), "thread_count": thread_count}
+    waiting = collections.deque(runs)
+    try:
+        tasks = [run.as_job() for run in runs]
+        for _, result in workers.results("spheroseg.bench.worker", job, tasks):
+            yield waiting.popleft(), result
+    except workers.WorkerError as error:
+        for run in waiting:
+            yield run, {"status": "failed", "error": str(error)}
 
 
 def row_of(mesh: BenchMesh, run: Run, thread_count: int) -> dict:

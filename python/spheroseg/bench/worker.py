@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process that does the runs of one mesh: job as JSON from stdin, a line of JSON per run.
+"""The process that does the runs of one mesh.
 
 A process per mesh gives memory back and keeps a crash to one run.
 """
 
-import json
-import os
 import sys
+from collections.abc import Callable
 
 import numpy as np
 
-from spheroseg import api
+from spheroseg import api, workers
 from spheroseg.bench.meshes import BenchMesh, read
 from spheroseg.bench.methods import MeshRuns, Timed
 
@@ -23,31 +22,25 @@ MEASURES = (
 )
 
 
-def main() -> int:
-    # Partitioners print; the rows have a channel of their own.
-    channel = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)
-    job = json.load(sys.stdin)
-    vertices, faces = read(BenchMesh(**job["mesh"]))
-    mesh_runs = MeshRuns(vertices, faces)
-    for run in job["runs"]:
-        print(json.dumps(result(mesh_runs, run, job["thread_count"])), file=channel, flush=True)
-    return 0
+def prepare(job: dict) -> tuple[dict, Callable[[dict], dict]]:
+    """See `workers.serve`. The tasks are runs (plan.py)."""
+    mesh_runs = MeshRuns(*read(BenchMesh(**job["mesh"])))
+
+    def do(task: dict) -> dict:
+        return result(mesh_runs, task, job["thread_count"])
+
+    return {}, do
 
 
 def result(mesh_runs: MeshRuns, run: dict, thread_count: int) -> dict:
     """Status, clock and measures of one run."""
-    try:
-        timed = perform(mesh_runs, run, thread_count)
-        labels = timed.labels
-        measures = api.measure(mesh_runs.vertices, mesh_runs.faces, labels)
-    except Exception as error:  # noqa: BLE001 (whatever a rival throws is one failed run)
-        return {"status": "failed", "error": " ".join(f"{type(error).__name__}: {error}".split())}
+    timed = perform(mesh_runs, run, thread_count)
+    measures = api.measure(mesh_runs.vertices, mesh_runs.faces, timed.labels)
     return {
         "status": "done",
         "error": "",
         "seconds": timed.seconds,
-        "found_submesh_count": len(np.unique(labels)),
+        "found_submesh_count": len(np.unique(timed.labels)),
         "min_submesh_triangles": int(measures["submesh_triangles"].min()),
         **{name: measures[name] for name in MEASURES},
         **timed.details,
@@ -69,4 +62,4 @@ def perform(mesh_runs: MeshRuns, run: dict, thread_count: int) -> Timed:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(workers.serve(prepare))

@@ -87,18 +87,10 @@ def run_with_progress(
 def report(arguments, measures: dict[str, Any]) -> None:
     """Writes the JSON file that was asked for and prints the table of measures."""
     if arguments.json:
-        content = {"mesh": arguments.mesh, "version": __version__, **plain(measures)}
+        content = {"mesh": arguments.mesh, "version": __version__, **api.plain(measures)}
         atomic.write_text(arguments.json, json.dumps(content, indent=2) + "\n")
     if not arguments.quiet:
         print_measures(measures)
-
-
-def plain(measures: dict[str, Any]) -> dict[str, Any]:
-    """The measures with arrays as lists, for JSON."""
-    return {
-        key: value.tolist() if isinstance(value, np.ndarray) else value
-        for key, value in measures.items()
-    }
 
 
 def print_measures(measures: dict[str, Any]) -> None:

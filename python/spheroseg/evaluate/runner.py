@@ -4,16 +4,12 @@
 import csv
 import io
 import json
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from spheroseg import atomic
+from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
-from spheroseg.batch.jobs import package_environment
 
 _COLUMNS_LEFT_OUT = ("labels", "details")
 
@@ -43,32 +39,24 @@ def evaluate(
 
 
 def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict], str | None]:
+    """The rows that were finished, and why the others were not begun."""
     counts = (source.submesh_count,) if source.submesh_count else plan.submesh_counts
-    with tempfile.TemporaryDirectory() as scratch:
-        result = Path(scratch) / "rows.json"
-        job = {
-            "mesh": str(source.mesh),
-            "name": source.name,
-            "folder": str(folder),
-            "rows": str(result),
-            "submesh_counts": counts,
-            "methods": plan.methods,
-            "seed": plan.seed,
-            "all_pairs_limit": plan.all_pairs_limit,
-        }
-        process = subprocess.run(
-            [sys.executable, "-m", "spheroseg.evaluate.worker"],
-            input=json.dumps(job),
-            capture_output=True,
-            text=True,
-            check=False,
-            env=package_environment(),
-        )
-        if process.returncode == 0:
-            return json.loads(result.read_text()), None
-    if process.returncode < 0:
-        return [], f"the process was ended by signal {-process.returncode}"
-    return [], (process.stderr.strip().splitlines() or ["failed without a word"])[-1]
+    tasks = [{"submesh_count": k, "method": method} for k in counts for method in plan.methods]
+    job = {
+        "mesh": str(source.mesh),
+        "name": source.name,
+        "folder": str(folder),
+        "seed": plan.seed,
+        "all_pairs_limit": plan.all_pairs_limit,
+    }
+    rows = []
+    try:
+        for task, result in workers.results("spheroseg.evaluate.worker", job, tasks):
+            known = {"mesh": source.name, "triangle_count": result["triangle_count"]}
+            rows.append(known | task | {"seed": plan.seed} | result)
+    except workers.WorkerError as error:
+        return rows, str(error).removeprefix(f"{source.mesh}: ")
+    return rows, None
 
 
 def write_numbers(folder: Path, rows: list[dict], environment: dict[str, str]) -> None:

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Processes that do the work of a command: they end with the process that started them, say what
+they found in lines of JSON, and leave a reason where they fail.
+
+A worker is a module whose main function is `serve`; the other side calls `results`.
+"""
+
+import collections
+import contextlib
+import ctypes
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import IO, Any
+
+from spheroseg import atomic
+from spheroseg.errors import InputError
+
+_PR_SET_PDEATHSIG = 1
+_MOST_OF_STDERR = 4096
+
+Message = dict[str, Any]
+
+
+class WorkerError(RuntimeError):
+    """A process ended before its first task; the message is the reason."""
+
+
+def results(module: str, job: Message, tasks: list[Message]) -> Iterator[tuple[Message, Message]]:
+    """Each task with its result, from processes that run `python -m module` one after the other.
+
+    A task that ends its process has the result {"status": "failed", "error": reason}; those after
+    it go on in a new process. The facts of `serve` are part of each result. Raises WorkerError
+    where a process ends before its first task.
+    """
+    waiting = collections.deque(tasks)
+    while waiting:
+        facts = None
+        with tempfile.TemporaryFile() as complaints:
+            with _started(module, job | {"tasks": list(waiting)}, complaints) as process:
+                for line in process.stdout:
+                    if not line.endswith("\n"):
+                        break  # killed while it wrote
+                    if facts is None:
+                        facts = json.loads(line)
+                    else:
+                        yield waiting.popleft(), facts | json.loads(line)
+            length = complaints.seek(0, os.SEEK_END)
+            complaints.seek(max(0, length - _MOST_OF_STDERR))
+            said = complaints.read().decode(errors="replace")
+        reason = failure_reason(process.returncode, said)
+        if facts is None:
+            raise WorkerError(reason)
+        if waiting:
+            yield waiting.popleft(), facts | {"status": "failed", "error": reason}
+
+
+@contextlib.contextmanager
+def _started(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen]:
+    with subprocess.Popen(
+        [sys.executable, "-m", module, str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=complaints,
+        text=True,
+        env=package_environment(),
+    ) as process:
+        try:
+            with contextlib.suppress(BrokenPipeError), process.stdin:
+                json.dump(job, process.stdin)
+            yield process
+        except BaseException:
+            process.kill()
+            raise
+
+
+def package_environment() -> dict[str, str]:
+    """Environment for a process that imports this very package, wherever the caller found it."""
+    package = str(Path(__file__).resolve().parents[1])
+    others = os.environ.get("PYTHONPATH")
+    return dict(os.environ, PYTHONPATH=os.pathsep.join([package, others] if others else [package]))
+
+
+def failure_reason(returncode: int, said: str) -> str:
+    """Why a process failed, from its exit code and what it wrote to stderr."""
+    lines = said.strip().splitlines()
+    if returncode < 0:
+        ended = f"the process was ended by signal {-returncode}"
+        return f"{ended}: {lines[-1]}" if lines else ended
+    return lines[-1] if lines else f"the process ended with exit code {returncode}"
+
+
+def serve(prepare: Callable[[Message], tuple[Message, Callable[[Message], Message]]]) -> int:
+    """The main function of a worker; its argument is the id of the process that started it.
+
+    `prepare` gets the job and returns facts, which become part of every result, and the function
+    that does a task. What that one throws is the failure of a task; returns the exit code.
+    """
+    end_with(int(sys.argv[1]))
+    # Libraries print; the results have a channel of their own.
+    channel = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    job = json.load(sys.stdin)
+    try:
+        facts, do = prepare(job)
+    except (InputError, ImportError, OSError, MemoryError) as error:
+        print(explained(error), file=sys.stderr)
+        return 1
+    print(json.dumps(facts), file=channel, flush=True)
+    for task in job["tasks"]:
+        try:
+            result = do(task)
+        except Exception as error:
+            result = {"status": "failed", "error": explained(error)}
+        print(json.dumps(result), file=channel, flush=True)
+    return 0
+
+
+def end_with(parent: int) -> None:
+    """Asks Linux to end this process when its parent is killed, which may have happened already."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            sys.exit(1)
+
+
+def explained(error: Exception) -> str:
+    """An error in one line; with its type where the message is not made for people."""
+    if isinstance(error, atomic.DiskFullError):
+        return error.strerror
+    message = " ".join(str(error).split())
+    if isinstance(error, InputError | ImportError | OSError | RuntimeError) and message:
+        return message
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
