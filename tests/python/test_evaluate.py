@@ -165,10 +165,7 @@ def test_csv_and_json_agree(evaluation):
 
 def test_report_is_one_file_that_needs_nothing_else(evaluation):
     text = (evaluation / "out" / "report.html").read_text()
-    targets = re.findall('<a href="#(.*?)"', text)
-    assert len(targets) == text.count("<h2")
-    for target in targets:
-        assert f'id="{target}"' in text
+    assert_links_lead_somewhere(text)
     for link in ('src="http', 'href="http', 'src="/', "@import", "url(http"):
         assert link not in text
     assert text.count('<tr class="') == 2 * 2 * len(RUN_METHODS)
@@ -280,6 +277,44 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     text = (tmp_path / "out" / "report.html").read_text()
     assert "1 mesh, 1 method, k = 5, 16" in text
     assert "<summary>Left out: 1 case</summary>" in text
+
+
+def test_diagrams_are_of_the_largest_k_that_was_done(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "small.ply").write_bytes(ply_bytes(*octahedron()))
+    methods = ("all_pairs", "region_growing")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=methods) == 0
+    text = (tmp_path / "out" / "report.html").read_text()
+    for diagram in (tmp_path / "out" / "plots").rglob("*.svg"):
+        assert diagram.read_text().startswith("<svg")
+        assert diagram.read_text() in text
+    assert "At k = 5, of all pairs" in text
+    assert "needs most, at k = 5." in text
+    assert "small, k = 5: All pairs" in text[text.index('id="iterations"') :]
+
+
+def test_sections_without_data_are_not_on_the_page(tmp_path):
+    write_inputs(tmp_path / "in")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway",)) == 0
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "iterations" not in re.findall('id="(.*?)"', text)
+    assert_links_lead_somewhere(text)
+    failed = {"mesh": "m", "triangle_count": 8, "submesh_count": 2, "method": "metis_kway"}
+    failed |= {"mesh_file": "m.ply", "status": "failed", "error": "broken"}
+    folder = tmp_path / "failed"
+    folder.mkdir()
+    facts = {"threads": "1"}
+    text = report.write_report(folder, [failed], facts, 1000).read_text()
+    assert_links_lead_somewhere(text)
+    assert re.findall('<h2 id="(.*?)"', text) == ["balance", "methods", "made"]
+    assert not (folder / "plots").exists()
+
+
+def assert_links_lead_somewhere(page: str) -> None:
+    targets = re.findall('<a href="#(.*?)"', page)
+    assert len(targets) == page.count("<h2")
+    for target in targets:
+        assert f'id="{target}"' in page
 
 
 def test_where_nothing_can_run_no_report_is_written(tmp_path, capsys):

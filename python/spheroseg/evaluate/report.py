@@ -34,23 +34,21 @@ def write_report(
     ).get_template("report.html.j2")
     done = [row for row in rows if row["status"] == "done"]
     scenes = _scenes(folder, done, viewer_limit)
-    counts = sorted({row["submesh_count"] for row in rows})
     path = folder / "report.html"
     text = page.render(
         style=(PAGE_FOLDER / "style.css").read_text(),
         script=(PAGE_FOLDER / "viewer.js").read_text(),
         mesh_count=len({row["mesh"] for row in rows}),
         methods=[METHODS[name] for name in _in_order(rows)],
-        submesh_counts=counts,
+        submesh_counts=sorted({row["submesh_count"] for row in rows}),
         summary=summary(done),
         rows=_table_rows([row for row in rows if row["status"] != "left out"]),
         left_out=_left_out(rows),
         left_out_count=sum(row["status"] == "left out" for row in rows),
         environment=environment,
-        largest_k=counts[-1],
         vertex_bytes=VERTEX_BYTES,
         triangle_bytes=TRIANGLE_BYTES,
-        **_plots(folder, done, counts[-1]),
+        **_plots(folder, done),
         **scenes,
     )
     atomic.write_text(path, text)
@@ -149,9 +147,12 @@ def _left_out(rows: list[dict]) -> list[dict]:
 _EFFORTS_BY_USE = ("fast_standard", "fast_high", "fast_draft")
 
 
-def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
+def _plots(folder: Path, done: list[dict]) -> dict[str, Any]:
+    """Writes the diagrams and returns those of the page, each kind at the largest k that it has;
+    empty where there is nothing to show."""
     titles = {name: METHODS[name].title for name in _in_order(done)}
-    files, iteration_plots = {}, []
+    files: dict[str, str] = {}
+    by_k: dict[int, list[str]] = {}
     # One effort of fast is enough on the page: at most two diagrams per mesh.
     efforts = [name for name in _EFFORTS_BY_USE if name in titles][:1]
     for row in done:
@@ -159,18 +160,22 @@ def _plots(folder: Path, done: list[dict], largest_k: int) -> dict[str, Any]:
         svg = plots.iterations(row, title)
         if svg:
             files[f"iterations/{_stem(row)}"] = svg
-            if row["submesh_count"] == largest_k and row["method"] in ["all_pairs", *efforts]:
-                iteration_plots.append(svg)
-    same_k = [row for row in done if row["submesh_count"] == largest_k]
-    memory = plots.shared_memory(same_k, titles) if same_k else ""
-    quality = plots.quality_and_time(done, titles) if done else ""
-    files |= {"shared-memory": memory, "quality-and-time": quality}
+            if row["method"] in ["all_pairs", *efforts]:
+                by_k.setdefault(row["submesh_count"], []).append(svg)
+    iteration_k = max(by_k, default=0)
+    memory_k = max((row["submesh_count"] for row in done), default=0)
+    if done:
+        same_k = [row for row in done if row["submesh_count"] == memory_k]
+        files["shared-memory"] = plots.shared_memory(same_k, titles)
+        files["quality-and-time"] = plots.quality_and_time(done, titles)
     for name, svg in files.items():
         atomic.write_text(_made(folder / "plots" / f"{name}.svg"), svg)
     return {
-        "iteration_plots": iteration_plots,
-        "memory_plot": memory,
-        "quality_plot": quality,
+        "iteration_k": iteration_k,
+        "iteration_plots": by_k.get(iteration_k, []),
+        "memory_k": memory_k,
+        "memory_plot": files.get("shared-memory", ""),
+        "quality_plot": files.get("quality-and-time", ""),
     }
 
 
