@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import recount
 from judge import Judge
-from mesh_paths import REPOSITORY
+from mesh_paths import PYMESHLAB_MESHES, REPOSITORY
 from shapes import bumpy_sphere, octahedron
 from surfaces import SURFACES
 
@@ -414,15 +414,28 @@ def test_bad_options_are_refused_before_any_work(options, message, tmp_path, cap
 
 
 def test_paper_numbers_stand_beside_meshes_of_the_same_name_and_count():
-    human = paper.lookup("human", 20096, 200, "all_pairs")
+    human = paper.lookup("human.ply", 20096, 200, "all_pairs")
     assert (human.boundary_edge_count, human.bowtie_count) == (3041, 0)
-    assert paper.lookup("Cow", 5804, 200, "metis_kway").bowtie_count == 19
-    rock = paper.lookup("rock", 558976, 200, "region_growing")
+    assert paper.lookup("Cow.obj", 5804, 200, "metis_kway").bowtie_count == 19
+    rock = paper.lookup("rock.off", 558976, 200, "region_growing")
     assert rock.max_triangle_count_difference == 7301
-    assert paper.lookup("bunny_ply", 3996, 200, "all_pairs").boundary_edge_count == 1303
-    assert paper.lookup("human", 20098, 200, "all_pairs") is None
-    assert paper.lookup("human", 20096, 100, "all_pairs") is None
-    assert paper.lookup("human", 20096, 200, "fast_high") is None
+    assert paper.lookup("human.ply", 20098, 200, "all_pairs") is None
+    assert paper.lookup("human.ply", 20096, 100, "all_pairs") is None
+    assert paper.lookup("human.ply", 20096, 200, "fast_high") is None
+
+
+def test_paper_numbers_stand_beside_meshes_of_folders_and_of_lists_with_k(tmp_path):
+    cow = PYMESHLAB_MESHES[0]
+    (tmp_path / "in" / "paper").mkdir(parents=True)
+    (tmp_path / "in" / "paper" / "cow.obj").write_bytes(cow.read_bytes())
+    (tmp_path / "list.csv").write_text("mesh,k\nin/paper/cow.obj,200\n")
+    for source, name in (("in", "paper/cow"), ("list.csv", "cow-k200")):
+        output = tmp_path / f"report of {source}"
+        command = ["evaluate", str(tmp_path / source), "-o", str(output), "-k", "200"]
+        assert main([*command, "--methods", "metis_kway"]) == 0
+        (row,) = results(output)
+        assert (row["mesh"], row["mesh_file"]) == (name, "cow.obj")
+        assert '<td class="paper">1,631</td>' in (output / "report.html").read_text()
 
 
 def row(method: str, edges: int, **changes) -> dict:

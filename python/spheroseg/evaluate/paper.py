@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Table 1 of the paper: 21 models in 200 sub-meshes."""
 
-import re
 from dataclasses import dataclass
+from pathlib import Path
 
 SUBMESH_COUNT = 200
 
@@ -59,12 +59,9 @@ def _parse() -> dict[tuple[str, int], dict[str, PaperResult]]:
 _RESULTS = _parse()
 
 
-def lookup(mesh: str, triangle_count: int, submesh_count: int, method: str) -> PaperResult | None:
-    """The paper's numbers where name, triangle count, k and method are those of its table.
-
-    A suffix that tells meshes of one name apart, as in `bunny_ply`, does not count.
-    """
+def lookup(file: str, triangle_count: int, submesh_count: int, method: str) -> PaperResult | None:
+    """The paper's numbers where the name of the mesh file without its suffix, triangle count, k and
+    method are those of its table."""
     if submesh_count != SUBMESH_COUNT:
         return None
-    model = re.sub(r"_(ply|obj|off|stl)$", "", mesh.lower())
-    return _RESULTS.get((model, triangle_count), {}).get(method)
+    return _RESULTS.get((Path(file).stem.lower(), triangle_count), {}).get(method)

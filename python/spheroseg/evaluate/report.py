@@ -124,7 +124,7 @@ def _table_rows(rows: list[dict]) -> list[dict]:
                 "is_ours": METHODS[row["method"]].is_ours,
                 "is_first": group != before,
                 "paper": paper.lookup(
-                    row["mesh"], row["triangle_count"], row["submesh_count"], row["method"]
+                    row["mesh_file"], row["triangle_count"], row["submesh_count"], row["method"]
                 ),
             }
         )

@@ -52,8 +52,9 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
     rows = []
     try:
         for task, result in workers.results("spheroseg.evaluate.worker", job, tasks):
-            known = {"mesh": source.name, "triangle_count": result["triangle_count"]}
-            rows.append(known | task | {"seed": plan.seed} | result)
+            known = {"mesh": source.name, "mesh_file": source.mesh.name}
+            known |= {"triangle_count": result["triangle_count"], **task, "seed": plan.seed}
+            rows.append(known | result)
     except workers.WorkerError as error:
         return rows, str(error).removeprefix(f"{source.mesh}: ")
     return rows, None
