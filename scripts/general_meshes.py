@@ -30,11 +30,11 @@ from surfaces import SURFACES  # noqa: E402
 import spheroseg  # noqa: E402
 from spheroseg.baselines import build_dual_graph, load  # noqa: E402
 from spheroseg.evaluate import environment  # noqa: E402
+from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, is_valid  # noqa: E402
 from spheroseg.palette import colour_indices, palette  # noqa: E402
 from spheroseg.render import render_labels, write_png  # noqa: E402
 from spheroseg.submeshes import split_into_submeshes  # noqa: E402
 
-METIS_MODES = ("metis_kway", "metis_recursive")
 # Surface, k, and where the eye is.
 PICTURED = (
     ("torus", 50, (0.3, -1.0, 1.1)),
@@ -66,7 +66,7 @@ def main() -> int:
     print()
     for effort, found in ratios.items():
         if found:
-            mean = statistics.geometric_mean(found)
+            mean = geometric_mean(found)
             print(f"{effort} over the better METIS mode, {len(found)} cases: {mean:.3f}")
     print(f"results of fast that are not valid: {invalid}")
     return 0
@@ -114,7 +114,7 @@ def run_ours(vertices, faces, judge, k, effort, seeds) -> tuple[float, int]:
         labels = spheroseg.segment(vertices, faces, k, effort=effort, seed=seed).labels
         verdict = judge.judge(labels, k)
         edges.append(verdict.boundary_edge_count)
-        wrong += not is_valid(verdict, best)
+        wrong += not is_valid(vars(verdict), best)
     return statistics.median(edges), wrong
 
 
@@ -130,17 +130,8 @@ def run_metis(mode, vertices, faces, graph, judge, k, seeds) -> tuple[float | No
             return None, ""
         verdict = judge.judge(labels, k)
         edges.append(verdict.boundary_edge_count)
-        mark = mark if is_valid(verdict, best) else "*"
+        mark = mark if is_valid(vars(verdict), best) else "*"
     return statistics.median(edges), mark
-
-
-def is_valid(verdict, best: int) -> bool:
-    return (
-        verdict.max_triangle_count_difference <= best
-        and verdict.min_submesh_triangles >= 1
-        and verdict.disconnected_submesh_count == 0
-        and verdict.bowtie_count == 0
-    )
 
 
 @contextlib.contextmanager

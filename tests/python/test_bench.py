@@ -24,10 +24,9 @@ from spheroseg.bench.statistics import (
     Table,
     bars,
     fitted_exponent,
-    geometric_mean,
-    is_valid,
     submesh_count,
 )
+from spheroseg.evaluate.judging import geometric_mean, is_valid
 
 
 def row(method: str, edges: int, seconds: float, **changes) -> dict:

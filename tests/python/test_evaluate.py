@@ -27,7 +27,7 @@ from spheroseg.baselines import BASELINES
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
-from spheroseg.evaluate import environment, paper, plots, report
+from spheroseg.evaluate import environment, judging, paper, plots, report
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -441,7 +441,7 @@ def test_paper_numbers_stand_beside_meshes_of_folders_and_of_lists_with_k(tmp_pa
 def row(method: str, edges: int, **changes) -> dict:
     valid = {
         "max_triangle_count_difference": 1,
-        "empty_submesh_count": 0,
+        "min_submesh_triangles": 1,
         "disconnected_submesh_count": 0,
         "bowtie_count": 0,
     }
@@ -468,11 +468,28 @@ def test_summary_compares_with_the_better_metis_mode():
 
 @pytest.mark.parametrize(
     "fault",
-    ["max_triangle_count_difference", "empty_submesh_count", "disconnected_submesh_count"],
+    [
+        {"max_triangle_count_difference": 2},
+        {"min_submesh_triangles": 0},
+        {"disconnected_submesh_count": 1},
+        {"bowtie_count": 1},
+    ],
 )
 def test_a_result_with_any_fault_is_not_valid(fault):
-    assert report.is_valid(row("metis_kway", 1))
-    assert not report.is_valid(row("metis_kway", 1, **{fault: 2}))
+    assert judging.is_valid(row("metis_kway", 1))
+    assert not judging.is_valid(row("metis_kway", 1, **fault))
+
+
+def test_a_result_is_valid_that_is_as_balanced_as_can_be():
+    verdict = Judge(np.array([[0, 1, 2], [3, 4, 5], [3, 5, 6], [3, 6, 7]])).judge([0, 1, 1, 1], 2)
+    assert not judging.is_valid(vars(verdict))
+    assert judging.is_valid(vars(verdict), best_difference=2)
+
+
+def test_hexagonal_bound_is_the_boundary_of_hexagons_on_the_regular_mesh():
+    # A hexagon of side s has 6 s^2 triangles and 6 s edges, each shared with another one.
+    for side, k in ((1, 10), (4, 50)):
+        assert judging.hexagonal_bound(k * 6 * side**2, k) == pytest.approx(k * 6 * side / 2)
 
 
 def test_default_methods_exist_and_others_are_named():

@@ -10,9 +10,10 @@ from spheroseg.batch.jobs import plugin_digest
 from spheroseg.bench import document, meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
 from spheroseg.bench.runner import row_of, run_mesh
-from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars, is_valid
+from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars
 from spheroseg.cores import core_count
 from spheroseg.evaluate import environment
+from spheroseg.evaluate.judging import is_valid
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 SWEEP_METHODS = ("fast_draft", "fast_standard")

@@ -18,11 +18,10 @@ from spheroseg.bench.statistics import (
     Summary,
     Table,
     bars,
-    geometric_mean,
     growth_exponent,
-    is_valid,
     submesh_count,
 )
+from spheroseg.evaluate.judging import geometric_mean, is_valid
 
 TITLES = {
     "fast_draft": "`fast` draft",

@@ -10,6 +10,7 @@ import numpy as np
 import pymeshlab
 
 from spheroseg import mesh_files
+from spheroseg.batch.inputs import MESH_SUFFIXES
 from spheroseg.batch.jobs import sha256
 from spheroseg.errors import InputError
 from spheroseg.file_checks import checked_triangle_count
@@ -18,7 +19,6 @@ PYMESHLAB_SAMPLES = ("cow.obj", "airplane.obj", "bone.ply", "bunny.obj")
 # Sample, and how often each triangle is split in four; the first is the series of the exponent.
 SUBDIVIDED = {"displaced_sphere": (1, 2, 3, 4), "limbed_figure": (1, 2), "cow": (2,)}
 SERIES = ("displaced_sphere", *(f"displaced_sphere_x{4**level}" for level in (1, 2, 3, 4)))
-MESH_SUFFIXES = (".ply", ".obj", ".off", ".stl")
 
 
 @dataclass(frozen=True)

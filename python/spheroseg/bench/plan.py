@@ -10,11 +10,11 @@ from spheroseg.bench.statistics import (
     COUNT_KINDS,
     EFFORT_METHODS,
     HIGH,
-    METIS_MODES,
     MTKAHYPAR,
     STANDARD,
     submesh_count,
 )
+from spheroseg.evaluate.judging import METIS_MODES
 
 METHODS = (*EFFORT_METHODS, *METIS_MODES, "metis_tight", "kaminpar_exact", MTKAHYPAR)
 SLOW_RIVALS = ("metis_tight", "kaminpar_exact", MTKAHYPAR)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import matplotlib
 
-from spheroseg.bench.statistics import Table, geometric_mean, submesh_count
+from spheroseg.bench.statistics import Table, submesh_count
+from spheroseg.evaluate.judging import geometric_mean
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402 (after the choice of the backend)

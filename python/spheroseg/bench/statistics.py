@@ -6,20 +6,15 @@ import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, hexagonal_bound, is_valid
+
 COUNT_KINDS = ("20", "200", "F/256", "F/64")
-METIS_MODES = ("metis_kway", "metis_recursive")
 STANDARD, HIGH, MTKAHYPAR = "fast_standard", "fast_high", "mtkahypar_quality"
 EFFORT_METHODS = ("fast_draft", STANDARD, HIGH)
 SMALL_LIMIT, LARGE_LIMIT = 60_000, 100_000
 EXPONENT_RANGE = (4_900, 1_400_000)
 # An exponent fitted to sizes closer together says nothing.
 LEAST_SPAN = 10
-
-
-def geometric_mean(values: Iterable[float]) -> float:
-    """Of numbers above 0; NaN for none."""
-    values = list(values)
-    return statistics.geometric_mean(values) if values else math.nan
 
 
 def fitted_exponent(sizes: Sequence[float], times: Sequence[float]) -> float:
@@ -42,18 +37,6 @@ def growth_exponent(cases: Sequence["Summary"]) -> float:
 def submesh_count(kind: str, face_count: int) -> int:
     """k for a kind: a plain number, or ceil(F / n) for "F/n"."""
     return -(-face_count // int(kind[2:])) if kind.startswith("F/") else int(kind)
-
-
-def is_valid(row: dict) -> bool:
-    """All sub-meshes there, MTCD at most 1, each connected, no bowtie."""
-    return (
-        row["status"] == "done"
-        and row["found_submesh_count"] == row["submesh_count"]
-        and row["min_submesh_triangles"] > 0
-        and row["max_triangle_count_difference"] <= 1
-        and row["bowtie_count"] == 0
-        and row["disconnected_submesh_count"] == 0
-    )
 
 
 @dataclass(frozen=True)
@@ -157,7 +140,7 @@ class Table:
 def _summary(group: list[dict]) -> Summary:
     first = group[0]
     edges = statistics.median(row["boundary_edge_count"] for row in group)
-    hexagonal = math.sqrt(6 * first["triangle_count"] * first["submesh_count"]) / 2
+    hexagonal = hexagonal_bound(first["triangle_count"], first["submesh_count"])
     return Summary(
         mesh=first["mesh"],
         triangle_count=first["triangle_count"],

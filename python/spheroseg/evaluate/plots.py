@@ -2,9 +2,10 @@
 """The report's diagrams as SVG text, by matplotlib."""
 
 import io
-import statistics
 
 import matplotlib
+
+from spheroseg.evaluate.judging import geometric_mean
 
 matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402 (after the choice of the backend)
@@ -92,19 +93,14 @@ def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
             edges = [row["boundary_edges_over_hexagonal"] for row in mine]
             look = dict(zip(("color", "marker"), mark(index), strict=True))
             axis.scatter(times, edges, s=18, alpha=0.35, **look)
-            mean = [_geometric_mean(times)], [_geometric_mean(edges)]
+            # One sub-mesh has no boundary.
+            mean = [geometric_mean(times)], [geometric_mean(e for e in edges if e > 0)]
             axis.scatter(*mean, s=90, edgecolor="black", label=titles[method], zorder=3, **look)
         axis.set_xscale("log")
         axis.set_xlabel("microseconds per triangle")
         axis.set_ylabel("boundary edges / hexagonal bound")
         axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
-
-
-def _geometric_mean(values: list[float]) -> float:
-    # One sub-mesh has no boundary.
-    positive = [value for value in values if value > 0]
-    return statistics.geometric_mean(positive) if positive else 0.0
 
 
 def mark(index: int) -> tuple[str, str]:

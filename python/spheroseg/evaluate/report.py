@@ -4,7 +4,6 @@
 import base64
 import gzip
 import json
-import statistics
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from spheroseg import atomic
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
+from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, is_valid
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
 from spheroseg.palette import colour_indices, palette
@@ -56,7 +56,7 @@ def write_report(
 
 
 _METIS_VARIANTS = (
-    (("metis_kway", "metis_recursive"), "METIS (the better of k-way and recursive on each mesh)"),
+    (METIS_MODES, "METIS (the better of k-way and recursive on each mesh)"),
     (("metis_limit",), "METIS with the limit at one triangle above ceil(F/k)"),
 )
 
@@ -76,7 +76,7 @@ def summary(done: list[dict]) -> list[str]:
             for variants, title in _METIS_VARIANTS:
                 ratios = _ratios(mine, done, variants)
                 if ratios:
-                    mean = statistics.geometric_mean(ratios)
+                    mean = geometric_mean(ratios)
                     line += f"; its boundary is {mean:.3f} times that of {title}"
         lines.append(line + ".")
     return lines
@@ -85,16 +85,6 @@ def summary(done: list[dict]) -> list[str]:
 def _in_order(rows: list[dict]) -> list[str]:
     present = {row["method"] for row in rows}
     return [name for name in METHODS if name in present]
-
-
-def is_valid(row: dict) -> bool:
-    """Balanced within one triangle, nothing empty, all connected, no bowtie."""
-    return (
-        row["max_triangle_count_difference"] <= 1
-        and row["empty_submesh_count"] == 0
-        and row["disconnected_submesh_count"] == 0
-        and row["bowtie_count"] == 0
-    )
 
 
 def _ratios(mine: list[dict], done: list[dict], rivals: tuple[str, ...]) -> list[float]:

@@ -5,7 +5,6 @@ A process per mesh gives memory back, keeps a crash to one run, and starts parti
 state from call to call the same way every time.
 """
 
-import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 
 from spheroseg import api, atomic, mesh_files, workers
 from spheroseg.dual_graph import DualGraph, build_dual_graph
+from spheroseg.evaluate.judging import hexagonal_bound
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import anatomy
 
@@ -55,7 +55,7 @@ def result(vertices, faces, graph: DualGraph, job: dict, k: int, method: str) ->
     parts = anatomy(faces, graph, outcome.labels, k)
     file = f"{job['name']}-k{k}-{method}.npy"
     mesh_files.save_labels(outcome.labels, Path(job["folder"]) / file)
-    hexagonal = math.sqrt(6 * len(faces) * k) / 2
+    hexagonal = hexagonal_bound(len(faces), k)
     return {
         "status": "done",
         "error": "",
