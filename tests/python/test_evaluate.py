@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ from spheroseg.baselines import BASELINES
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
-from spheroseg.evaluate import environment, judging, paper, plots, report
+from spheroseg.evaluate import environment, judging, paper, plots, report, worker
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -379,6 +380,42 @@ def test_method_that_breaks_down_costs_only_its_own_rows(kind, tmp_path, capsys,
         assert reason in row["error"]
         assert f"failed: one, k = {row['submesh_count']}, metis_kway: {row['error']}" in said
         assert row["triangle_count"] == 128
+
+
+def test_methods_that_do_not_take_a_mesh_are_left_out_with_the_reason(tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    for name in ("plane with holes", "50 spheres"):
+        (tmp_path / "in" / f"{name}.ply").write_bytes(ply_bytes(*SURFACES[name].make()))
+    methods = ("all_pairs", "fast_draft", "metis_kway", "metis_recursive")
+    assert evaluate(tmp_path / "in", tmp_path / "out", "-k", "20", "60", methods=methods) == 0
+    assert "failed" not in capsys.readouterr().err
+    left_out = {
+        (row["mesh"], row["submesh_count"], row["method"]): row["error"]
+        for row in results(tmp_path / "out")
+        if row["status"] != "done"
+    }
+    assert set(left_out) == {
+        ("50 spheres", 20, "fast_draft"),
+        *(("50 spheres", k, method) for k in (20, 60) for method in ("all_pairs", "metis_kway")),
+        *(("plane with holes", k, "all_pairs") for k in (20, 60)),
+    }
+    assert "found 264 open border edges" in left_out["plane with holes", 20, "all_pairs"]
+    assert "of one component only" in left_out["50 spheres", 60, "metis_kway"]
+    assert "found 50 components" in left_out["50 spheres", 20, "fast_draft"]
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "<summary>Left out: 7 cases</summary>" in text
+
+
+def test_too_little_memory_is_a_failure(monkeypatch):
+    vertices, faces = octahedron()
+
+    def refuse(*_):
+        raise InputError("There is not enough memory for this mesh")
+
+    monkeypatch.setitem(METHODS, "metis_kway", replace(METHODS["metis_kway"], run=refuse))
+    job = {"name": "m", "folder": "unused", "seed": 0, "all_pairs_limit": 99}
+    with pytest.raises(InputError, match="not enough memory"):
+        worker.result(vertices, faces, build_dual_graph(faces), job, 2, "metis_kway")
 
 
 def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):

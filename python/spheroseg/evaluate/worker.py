@@ -13,10 +13,13 @@ import numpy as np
 
 from spheroseg import api, atomic, mesh_files, workers
 from spheroseg.dual_graph import DualGraph, build_dual_graph
+from spheroseg.errors import InputError, MissingPackageError
 from spheroseg.evaluate.judging import hexagonal_bound
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import anatomy
 
+# Says the engine (errors.h).
+MEMORY_REFUSED = "not enough memory"
 MEASURES = (
     "boundary_edge_count",
     "max_triangle_count_difference",
@@ -47,10 +50,18 @@ def prepare(job: dict) -> tuple[dict, Callable[[dict], dict]]:
 
 def result(vertices, faces, graph: DualGraph, job: dict, k: int, method: str) -> dict:
     """Status, clock and measures of one method; labels go to `labels/NAME-kK-METHOD.npy`."""
+    # What a method does not take is no fault of it.
     obstacle = _obstacle(method, len(faces), k, job["all_pairs_limit"])
     if obstacle:
         return {"status": "left out", "error": obstacle}
-    outcome = METHODS[method].run(vertices, faces, k, job["seed"], graph)
+    try:
+        outcome = METHODS[method].run(vertices, faces, k, job["seed"], graph)
+    except MissingPackageError:
+        raise
+    except InputError as error:
+        if MEMORY_REFUSED in str(error):
+            raise
+        return {"status": "left out", "error": workers.explained(error)}
     measures = api.measure(vertices, faces, outcome.labels)
     parts = anatomy(faces, graph, outcome.labels, k)
     file = f"{job['name']}-k{k}-{method}.npy"
