@@ -29,6 +29,7 @@ from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 from spheroseg.evaluate import environment, judging, paper, plots, report, worker
+from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -318,13 +319,71 @@ def assert_links_lead_somewhere(page: str) -> None:
         assert f'id="{target}"' in page
 
 
+def files_below(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_second_report_replaces_the_first_only_if_asked(tmp_path, capsys):
+    (tmp_path / "in" / "sub").mkdir(parents=True)
+    for name in ("one.ply", "sub/two.ply"):
+        (tmp_path / "in" / name).write_bytes(ply_bytes(*octahedron()))
+    output = tmp_path / "out"
+    assert evaluate(tmp_path / "in", output, methods=("all_pairs", "region_growing")) == 0
+    first = files_below(output)
+    assert {"labels/sub/two-k5-all_pairs.npy", "pictures/one-k5-region_growing.png"} < first
+    assert {"plots/iterations/one-k5-all_pairs.svg", "results.json", "report.html"} < first
+    assert set(json.loads((output / ".report").read_text())) > first - {".report"}
+    page = (output / "report.html").read_bytes()
+    (output / "labels" / "notes.txt").write_text("mine")
+
+    again = tmp_path / "in" / "one.ply"
+    assert evaluate(again, output, methods=("region_growing",)) == 2
+    assert f"{output}: has an earlier report" in capsys.readouterr().err
+    assert files_below(output) == first | {"labels/notes.txt"}
+    assert (output / "report.html").read_bytes() == page
+
+    assert evaluate(again, output, "--replace", methods=("region_growing",)) == 0
+    assert files_below(output) == {
+        ".report",
+        "labels/notes.txt",
+        "labels/one-k5-region_growing.npy",
+        "labels/one.npz",
+        "pictures/one-k5-region_growing.png",
+        "plots/quality-and-time.svg",
+        "plots/shared-memory.svg",
+        "report.html",
+        "results.csv",
+        "results.json",
+    }
+    assert not (output / "labels" / "sub").exists()
+
+
+def test_a_report_replaces_no_file_of_others(tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "one.ply").write_bytes(ply_bytes(*octahedron()))
+    (tmp_path / "results.csv").write_text("mine")
+    assert evaluate(tmp_path / "in", tmp_path, methods=("region_growing",)) == 2
+    assert f"{tmp_path / 'results.csv'}: is there already" in capsys.readouterr().err
+    assert files_below(tmp_path) == {"in/one.ply", "results.csv"}
+
+
+def test_a_list_of_files_outside_the_folder_removes_none(tmp_path):
+    (tmp_path / "mine").touch()
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / ".report").write_text(json.dumps(["../mine", str(tmp_path / "mine"), "gone"]))
+    report_folder.clear(folder)
+    assert (tmp_path / "mine").exists()
+    assert files_below(folder) == set()
+
+
 def test_where_nothing_can_run_no_report_is_written(tmp_path, capsys):
     (tmp_path / "in").mkdir()
     (tmp_path / "in" / "small.ply").write_bytes(ply_bytes(*octahedron()))
     command = ["evaluate", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "16", "32"]
     assert main([*command, "--methods", "region_growing"]) == 2
     assert "small, k = 16, region_growing: only 8 triangles" in capsys.readouterr().err
-    assert not (tmp_path / "out" / "report.html").exists()
+    assert not files_below(tmp_path / "out")
 
 
 def test_method_that_fails_costs_a_line_and_exit_code_one(tmp_path, capsys, monkeypatch):

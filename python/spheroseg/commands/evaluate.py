@@ -17,6 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from spheroseg.batch import inputs
 from spheroseg.commands import shared
 from spheroseg.errors import InputError
+from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
 from spheroseg.packages import require
@@ -50,6 +51,9 @@ def add_arguments(parser):
         metavar="N",
         help=f"leave meshes above N triangles out of the 3D view ({VIEWER_LIMIT})",
     )
+    parser.add_argument(
+        "--replace", action="store_true", help="remove an earlier report from DIR first"
+    )
 
 
 def run(arguments) -> int:
@@ -58,7 +62,7 @@ def run(arguments) -> int:
     plan = _plan(arguments)
     sources = inputs.collect(arguments.inputs)
     report = _report_module()
-    folder.mkdir(parents=True, exist_ok=True)
+    report_folder.prepare(folder, runner.files_of(sources, plan), arguments.replace)
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("Evaluating"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
@@ -71,14 +75,9 @@ def run(arguments) -> int:
     ]
     for failure in failures:
         console.print(f"failed: {failure}", markup=False, emoji=False)
-    if not rows:
-        raise InputError("no mesh could be evaluated")
     if all(row["status"] == "left out" for row in rows):
-        first = rows[0]
-        raise InputError(
-            f"no method could run: {first['mesh']}, k = {first['submesh_count']}, "
-            f"{first['method']}: {first['error']}"
-        )
+        report_folder.clear(folder)
+        raise InputError(_why_nothing_ran(rows))
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
     runner.write_numbers(folder, rows, environment)
     print(report.write_report(folder, rows, environment, arguments.viewer_limit))
@@ -93,6 +92,16 @@ def _plan(arguments) -> runner.Plan:
         raise InputError(f"--seed must be 0 or more, got {arguments.seed}")
     names = tuple(dict.fromkeys(methods.chosen(arguments.methods)))
     return runner.Plan(counts, names, arguments.seed, arguments.all_pairs_limit)
+
+
+def _why_nothing_ran(rows: list[dict]) -> str:
+    if not rows:
+        return "no mesh could be evaluated"
+    first = rows[0]
+    return (
+        f"no method could run: {first['mesh']}, k = {first['submesh_count']}, {first['method']}: "
+        f"{first['error']}"
+    )
 
 
 def _report_module():

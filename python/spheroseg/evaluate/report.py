@@ -12,6 +12,7 @@ import numpy as np
 from spheroseg import atomic
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
+from spheroseg.evaluate.folder import PAGE, arrays_file, stem
 from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, is_valid
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
@@ -34,7 +35,7 @@ def write_report(
     ).get_template("report.html.j2")
     done = [row for row in rows if row["status"] == "done"]
     scenes = _scenes(folder, done, viewer_limit)
-    path = folder / "report.html"
+    path = folder / PAGE
     text = page.render(
         style=(PAGE_FOLDER / "style.css").read_text(),
         script=(PAGE_FOLDER / "viewer.js").read_text(),
@@ -173,7 +174,7 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
     """Pictures, and the arrays of the 3D view for meshes up to the limit."""
     galleries, index, blocks, too_large = [], [], [], []
     for number, name in enumerate(dict.fromkeys(row["mesh"] for row in done)):
-        with np.load(folder / "labels" / f"{name}.npz") as arrays:
+        with np.load(folder / arrays_file(name)) as arrays:
             vertices, faces = arrays["vertices"], arrays["faces"]
         graph = build_dual_graph(faces)
         labellings = []
@@ -248,7 +249,7 @@ def _packed(array: np.ndarray, code: str) -> str:
 
 
 def _stem(row: dict) -> str:
-    return f"{row['mesh']}-k{row['submesh_count']}-{row['method']}"
+    return stem(row["mesh"], row["submesh_count"], row["method"])
 
 
 def _made(path: Path) -> Path:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
+from spheroseg.evaluate.folder import DOCUMENT, TABLE
+from spheroseg.evaluate.folder import files_of as report_files
 
 _COLUMNS_LEFT_OUT = ("labels", "details")
 
@@ -23,6 +25,16 @@ class Plan:
     seed: int
     all_pairs_limit: int
 
+    def runs(self, source: Source) -> list[tuple[int, str]]:
+        """(k, method) of each run on a mesh."""
+        counts = (source.submesh_count,) if source.submesh_count else self.submesh_counts
+        return [(k, method) for k in counts for method in self.methods]
+
+
+def files_of(sources: list[Source], plan: Plan) -> list[str]:
+    """Every file that the report may write, relative to its folder."""
+    return report_files((s.name, *run) for s in sources for run in plan.runs(s))
+
 
 def evaluate(
     sources: list[Source], plan: Plan, folder: Path, on_mesh: Callable[[str, str | None], None]
@@ -30,7 +42,7 @@ def evaluate(
     """All rows, and a line per mesh that failed. `on_mesh` gets each mesh's name and failure."""
     rows, failures = [], []
     for source in sources:
-        found, failure = _evaluate_one(source, plan, folder / "labels")
+        found, failure = _evaluate_one(source, plan, folder)
         rows += found
         if failure:
             failures.append(f"{source.mesh}: {failure}")
@@ -40,8 +52,7 @@ def evaluate(
 
 def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict], str | None]:
     """The rows that were finished, and why the others were not begun."""
-    counts = (source.submesh_count,) if source.submesh_count else plan.submesh_counts
-    tasks = [{"submesh_count": k, "method": method} for k in counts for method in plan.methods]
+    tasks = [{"submesh_count": k, "method": method} for k, method in plan.runs(source)]
     job = {
         "mesh": str(source.mesh),
         "name": source.name,
@@ -63,11 +74,11 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
 def write_numbers(folder: Path, rows: list[dict], environment: dict[str, str]) -> None:
     """`results.json` with everything, `results.csv` with one line per mesh, k and method."""
     document = {"environment": environment, "rows": rows}
-    atomic.write_text(folder / "results.json", json.dumps(document, indent=1) + "\n")
+    atomic.write_text(folder / DOCUMENT, json.dumps(document, indent=1) + "\n")
     columns = list(dict.fromkeys(name for row in rows for name in row))
     columns = [name for name in columns if name not in _COLUMNS_LEFT_OUT]
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    atomic.write_text(folder / "results.csv", buffer.getvalue())
+    atomic.write_text(folder / TABLE, buffer.getvalue())

@@ -14,6 +14,7 @@ import numpy as np
 from spheroseg import api, atomic, mesh_files, workers
 from spheroseg.dual_graph import DualGraph, build_dual_graph
 from spheroseg.errors import InputError, MissingPackageError
+from spheroseg.evaluate.folder import arrays_file, stem
 from spheroseg.evaluate.judging import hexagonal_bound
 from spheroseg.evaluate.methods import METHODS
 from spheroseg.evaluate.topology import anatomy
@@ -37,7 +38,7 @@ def prepare(job: dict) -> tuple[dict, Callable[[dict], dict]]:
     vertices = mesh_set.current_mesh().vertex_matrix()
     faces = np.ascontiguousarray(mesh_set.current_mesh().face_matrix(), dtype=np.int32)
     graph = build_dual_graph(faces)
-    path = Path(job["folder"]) / f"{job['name']}.npz"
+    path = Path(job["folder"]) / arrays_file(job["name"])
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic.atomic_path(path, ".npz") as temporary:
         np.savez(temporary, vertices=vertices, faces=faces)
@@ -64,8 +65,8 @@ def result(vertices, faces, graph: DualGraph, job: dict, k: int, method: str) ->
         return {"status": "left out", "error": workers.explained(error)}
     measures = api.measure(vertices, faces, outcome.labels)
     parts = anatomy(faces, graph, outcome.labels, k)
-    file = f"{job['name']}-k{k}-{method}.npy"
-    mesh_files.save_labels(outcome.labels, Path(job["folder"]) / file)
+    file = f"{stem(job['name'], k, method)}.npy"
+    mesh_files.save_labels(outcome.labels, Path(job["folder"]) / "labels" / file)
     hexagonal = hexagonal_bound(len(faces), k)
     return {
         "status": "done",
