@@ -28,7 +28,7 @@ from spheroseg.baselines import BASELINES
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
-from spheroseg.evaluate import environment, judging, paper, plots, report, worker
+from spheroseg.evaluate import environment, judging, paper, plots, report, summary, worker
 from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
@@ -535,18 +535,25 @@ def test_paper_numbers_stand_beside_meshes_of_folders_and_of_lists_with_k(tmp_pa
 
 
 def row(method: str, edges: int, **changes) -> dict:
-    valid = {
+    """A valid result of 6 * 16 triangles and k = 4, for which the bound is 24."""
+    return {
+        "mesh": "m",
+        "triangle_count": 96,
+        "submesh_count": 4,
+        "method": method,
+        "status": "done",
+        "seconds": 96e-6,
+        "boundary_edge_count": edges,
+        "boundary_edges_over_hexagonal": edges / 24,
         "max_triangle_count_difference": 1,
         "min_submesh_triangles": 1,
         "disconnected_submesh_count": 0,
         "bowtie_count": 0,
-    }
-    where = {"mesh": "m", "submesh_count": 4, "method": method, "boundary_edge_count": edges}
-    return where | valid | changes
+    } | changes
 
 
 def test_summary_compares_with_the_better_metis_mode():
-    lines = report.summary(
+    numbers = summary.summary(
         [
             row("fast_high", 90),
             row("metis_kway", 100, bowtie_count=1),
@@ -554,12 +561,48 @@ def test_summary_compares_with_the_better_metis_mode():
             row("metis_limit", 75),
         ]
     )
+    assert numbers[0] == {
+        "method": "fast_high",
+        "result_count": 1,
+        "valid_count": 1,
+        "boundary_edges_over_hexagonal": pytest.approx(90 / 24),
+        "microseconds_per_triangle": pytest.approx(1),
+        "boundary_over_metis": pytest.approx(0.9),
+        "boundary_over_metis_case_count": 1,
+        "boundary_over_metis_limit": pytest.approx(1.2),
+        "boundary_over_metis_limit_case_count": 1,
+    }
+    lines = summary.sentences(numbers)
     assert lines[0].startswith("Fast, high: 1 of 1 results")
     assert "0.900 times that of METIS (the better of k-way and recursive" in lines[0]
     assert "1.200 times that of METIS with the limit" in lines[0]
     assert lines[1].startswith("METIS k-way: 0 of 1")
     assert lines[2].startswith("METIS recursive: 0 of 1")
     assert "times that" not in lines[1] + lines[2]
+
+
+def test_summary_is_of_geometric_means_over_cases_that_all_have_done():
+    both = [row(method, 50) for method in summary.METIS_MODES]
+    one = [row("metis_kway", 10, mesh="n"), row("metis_recursive", 0, mesh="n", status="failed")]
+    mine = [row("fast_high", 25), row("fast_high", 100, mesh="n", seconds=4 * 96e-6)]
+    numbers = summary.summary([*mine, *both, *one])[0]
+    assert numbers["boundary_over_metis"] == pytest.approx(0.5)
+    assert numbers["boundary_over_metis_case_count"] == 1
+    assert numbers["boundary_edges_over_hexagonal"] == pytest.approx(50 / 24)
+    assert numbers["microseconds_per_triangle"] == pytest.approx(2)
+    assert (numbers["boundary_over_metis_limit"], numbers["result_count"]) == (None, 2)
+
+
+def test_numbers_in_short_are_in_the_results(evaluation):
+    document = json.loads((evaluation / "out" / "results.json").read_text())
+    assert [one["method"] for one in document["summary"]] == list(RUN_METHODS)
+    assert document["summary"] == summary.summary(document["rows"])
+    page = (evaluation / "out" / "report.html").read_text()
+    for line in summary.sentences(document["summary"]):
+        assert f"<li>{line}</li>" in page
+    told = (REPOSITORY / "docs" / "evaluation.md").read_text()
+    for key in document["summary"][0]:
+        assert f"`{key}`" in told
 
 
 @pytest.mark.parametrize(

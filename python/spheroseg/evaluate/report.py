@@ -13,8 +13,8 @@ from spheroseg import atomic
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
 from spheroseg.evaluate.folder import PAGE, arrays_file, stem
-from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, is_valid
 from spheroseg.evaluate.methods import METHODS
+from spheroseg.evaluate.summary import in_order, sentences, summary
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
 from spheroseg.palette import colour_indices, palette
 from spheroseg.submeshes import split_into_submeshes
@@ -40,9 +40,9 @@ def write_report(
         style=(PAGE_FOLDER / "style.css").read_text(),
         script=(PAGE_FOLDER / "viewer.js").read_text(),
         mesh_count=len({row["mesh"] for row in rows}),
-        methods=[METHODS[name] for name in _in_order(rows)],
+        methods=[METHODS[name] for name in in_order(rows)],
         submesh_counts=sorted({row["submesh_count"] for row in rows}),
-        summary=summary(done),
+        summary=sentences(summary(done)),
         rows=_table_rows([row for row in rows if row["status"] != "left out"]),
         left_out=_left_out(rows),
         left_out_count=sum(row["status"] == "left out" for row in rows),
@@ -54,53 +54,6 @@ def write_report(
     )
     atomic.write_text(path, text)
     return path
-
-
-_METIS_VARIANTS = (
-    (METIS_MODES, "METIS (the better of k-way and recursive on each mesh)"),
-    (("metis_limit",), "METIS with the limit at one triangle above ceil(F/k)"),
-)
-
-
-def summary(done: list[dict]) -> list[str]:
-    """Plain sentences: how many results are valid, and geometric means of the boundary against
-    METIS, naming the variant."""
-    lines = []
-    for name in _in_order(done):
-        mine = [row for row in done if row["method"] == name]
-        valid = sum(is_valid(row) for row in mine)
-        line = (
-            f"{METHODS[name].title}: {valid} of {len(mine)} results are balanced within one "
-            "triangle, connected and free of bowties"
-        )
-        if not name.startswith("metis"):
-            for variants, title in _METIS_VARIANTS:
-                ratios = _ratios(mine, done, variants)
-                if ratios:
-                    mean = geometric_mean(ratios)
-                    line += f"; its boundary is {mean:.3f} times that of {title}"
-        lines.append(line + ".")
-    return lines
-
-
-def _in_order(rows: list[dict]) -> list[str]:
-    present = {row["method"] for row in rows}
-    return [name for name in METHODS if name in present]
-
-
-def _ratios(mine: list[dict], done: list[dict], rivals: tuple[str, ...]) -> list[float]:
-    """Boundary over that of the best rival, for each mesh and k that all rivals have done."""
-    edges: dict[tuple, list[int]] = {}
-    for row in done:
-        if row["method"] in rivals:
-            key = row["mesh"], row["submesh_count"]
-            edges.setdefault(key, []).append(row["boundary_edge_count"])
-    ratios = []
-    for row in mine:
-        found = edges.get((row["mesh"], row["submesh_count"]), [])
-        if len(found) == len(rivals) and min(found) > 0 and row["boundary_edge_count"] > 0:
-            ratios.append(row["boundary_edge_count"] / min(found))
-    return ratios
 
 
 def _table_rows(rows: list[dict]) -> list[dict]:
@@ -141,7 +94,7 @@ _EFFORTS_BY_USE = ("fast_standard", "fast_high", "fast_draft")
 def _plots(folder: Path, done: list[dict]) -> dict[str, Any]:
     """Writes the diagrams and returns those of the page, each kind at the largest k that it has;
     empty where there is nothing to show."""
-    titles = {name: METHODS[name].title for name in _in_order(done)}
+    titles = {name: METHODS[name].title for name in in_order(done)}
     files: dict[str, str] = {}
     by_k: dict[int, list[str]] = {}
     # One effort of fast is enough on the page: at most two diagrams per mesh.

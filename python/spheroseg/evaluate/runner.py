@@ -12,6 +12,7 @@ from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
 from spheroseg.evaluate.folder import DOCUMENT, TABLE
 from spheroseg.evaluate.folder import files_of as report_files
+from spheroseg.evaluate.summary import summary
 
 _COLUMNS_LEFT_OUT = ("labels", "details")
 
@@ -73,7 +74,7 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
 
 def write_numbers(folder: Path, rows: list[dict], environment: dict[str, str]) -> None:
     """`results.json` with everything, `results.csv` with one line per mesh, k and method."""
-    document = {"environment": environment, "rows": rows}
+    document = {"environment": environment, "summary": summary(rows), "rows": rows}
     atomic.write_text(folder / DOCUMENT, json.dumps(document, indent=1) + "\n")
     columns = list(dict.fromkeys(name for row in rows for name in row))
     columns = [name for name in columns if name not in _COLUMNS_LEFT_OUT]
