@@ -26,6 +26,7 @@ from spheroseg.bench.statistics import (
     fitted_exponent,
     submesh_count,
 )
+from spheroseg.evaluate import environment
 from spheroseg.evaluate.judging import geometric_mean, is_valid
 
 
@@ -183,16 +184,38 @@ def case(**changes) -> dict:
 
 def test_rows_of_other_threads_another_mesh_or_another_plugin_are_measured_again():
     planned = [case(), case(seed=2, threads=4), case(seed=3, mesh_sha256="b")]
-    mine, other_case = case(plugin="p"), case(plugin="p", seed=9)
+    stamp = {"commit": "c", "plugin": "p", "machine": "m"}
+    mine, other_case = case(**stamp), case(**stamp, seed=9)
     rows = [
         mine,
         other_case,
-        case(plugin="p", seed=2),
-        case(plugin="p", seed=3),
-        case(plugin="q"),
-        case(plugin="p", status="failed"),
+        case(**stamp, seed=2),
+        case(**stamp, seed=3),
+        case(**stamp | {"plugin": "q"}),
+        case(**stamp | {"machine": "n"}),
+        case(**stamp, status="failed"),
     ]
-    assert records.current(rows, planned, "p") == [mine, other_case]
+    assert records.current(rows, planned, stamp) == [mine, other_case]
+
+
+def test_the_document_names_the_machine_of_the_rows(tmp_path, monkeypatch):
+    store = records.Records(tmp_path / "runs.csv", [])
+    store.add(case(plugin="p", commit="c", machine="Elsewhere, 96 cores"))
+    store.close()
+    assert program.main(["--report-only", "--k", "200", "--output", str(tmp_path)]) == 0
+    text = (tmp_path / "benchmarks.md").read_text()
+    assert "| machine | Elsewhere, 96 cores |" in text
+    assert environment.surroundings()["memory"] not in text
+    monkeypatch.setattr(environment, "machine", lambda: "Elsewhere, 96 cores")
+    assert program.main(["--report-only", "--k", "200", "--output", str(tmp_path)]) == 0
+    assert environment.surroundings()["memory"] in (tmp_path / "benchmarks.md").read_text()
+
+
+def test_an_installation_without_a_checkout_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(program, "REPOSITORY", tmp_path)
+    assert program.main([]) == 2
+    assert "is no part of a checkout" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_earlier_rows_are_there_until_the_kept_ones_are(tmp_path, monkeypatch):

@@ -21,6 +21,13 @@ SWEEP_METHODS = ("fast_draft", "fast_standard")
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
+    if not (REPOSITORY / "sample_meshes").is_dir():
+        print(
+            f"python -m spheroseg.bench: {Path(__file__).parent} is no part of a checkout of "
+            "SpheroSeg, whose meshes it runs on and whose docs it writes; run it in one",
+            file=sys.stderr,
+        )
+        return 2
     found, reasons = meshes.available(options.samples, options.more_meshes)
     for reason in reasons:
         print(reason, file=sys.stderr)
@@ -35,7 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
     facts["threads"] = f"{options.threads} for ours, 1 for the partitioners"
     if not options.report_only:
         work = [(mesh, _runs(options, mesh)) for mesh in chosen]
-        _measure(work, options, facts["commit"])
+        _measure(work, options, facts)
     table = Table(records.load(options.output / "runs.csv"))
     sweep = records.load(options.output / "sweep.csv")
     folder = options.docs or (options.output if _is_part(options) else REPOSITORY / "docs")
@@ -72,7 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--more-meshes", type=Path, default=REPOSITORY.parent / "shared" / "meshes")
     add("--output", type=Path, default=REPOSITORY / "out" / "bench", help="folder of runs.csv")
     add("--docs", type=Path, help="folder of benchmarks.md; default: docs, or --output for a part")
-    add("--resume", action="store_true", help="keep rows of this plugin, these meshes and threads")
+    add("--resume", action="store_true", help="keep rows of this plugin, machine, meshes, threads")
     add("--report-only", action="store_true", help="write the document from the rows at hand")
     add("--validity-sweep", action="store_true", help="30 values of k per mesh, draft and standard")
     add("--sweep-count", type=int, default=30)
@@ -103,12 +110,16 @@ def _runs(options, mesh: meshes.BenchMesh) -> list[Run]:
     return _plan(options).runs(mesh.triangle_count)
 
 
-def _measure(work: list[tuple[meshes.BenchMesh, list[Run]]], options, commit: str) -> None:
+def _measure(work: list[tuple[meshes.BenchMesh, list[Run]]], options, facts) -> None:
     path = options.output / ("sweep.csv" if options.validity_sweep else "runs.csv")
-    stamp = {"commit": commit, "plugin": plugin_digest()}
+    stamp = {
+        "commit": facts["commit"],
+        "plugin": plugin_digest(),
+        "machine": environment.machine(),
+    }
     planned = [row_of(mesh, run, options.threads) for mesh, runs in work for run in runs]
     earlier = records.load(path) if options.resume else []
-    store = records.Records(path, records.current(earlier, planned, stamp["plugin"]))
+    store = records.Records(path, records.current(earlier, planned, stamp))
     began = time.perf_counter()
     for number, (mesh, runs) in enumerate(work, 1):
         print(f"[{number}/{len(work)}] {mesh.name}, {mesh.triangle_count:,} triangles", flush=True)

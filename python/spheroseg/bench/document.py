@@ -21,6 +21,7 @@ from spheroseg.bench.statistics import (
     growth_exponent,
     submesh_count,
 )
+from spheroseg.evaluate import environment
 from spheroseg.evaluate.judging import geometric_mean, is_valid
 
 TITLES = {
@@ -65,8 +66,8 @@ def write(
 
 
 def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reasons) -> str:
-    def commits(rows) -> str:
-        return ", ".join(sorted({row["commit"] for row in rows}))
+    def named(column: str, rows) -> str:
+        return ", ".join(sorted({row[column] or "unknown" for row in rows}))
 
     lines = [
         "# Benchmarks",
@@ -104,13 +105,20 @@ def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reason
         "edges).",
     ]
     lines += [f"- Left out: {reason}." for reason in reasons]
-    lines += ["", "| | |", "|---|---|", f"| commit | {commits(table.rows) or facts['commit']} |"]
-    if sweep:
-        lines.append(f"| commit of the sweep | {commits(sweep)} |")
-    shown = ("pymeshlab", "pymetis", "kaminpar", "mtkahypar", "Python", "system", "processor")
     lines += [
-        f"| {name} | {facts[name]} |" for name in (*shown, "cores", "memory") if name in facts
+        "",
+        "| | |",
+        "|---|---|",
+        f"| commit | {named('commit', table.rows) or facts['commit']} |",
     ]
+    if sweep:
+        lines.append(f"| commit of the sweep | {named('commit', sweep)} |")
+    machines = named("machine", [*table.rows, *sweep]) or environment.machine()
+    lines.append(f"| machine | {machines} |")
+    # Of another machine only its name is known.
+    if machines == environment.machine():
+        shown = ("memory", "system", "Python", "pymeshlab", "pymetis", "kaminpar", "mtkahypar")
+        lines += [f"| {name} | {facts[name]} |" for name in shown if name in facts]
     lines.append(f"| threads | {facts['threads']} |")
     return "\n".join(lines)
 

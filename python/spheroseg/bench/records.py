@@ -9,7 +9,8 @@ from pathlib import Path
 from spheroseg import atomic
 from spheroseg.bench.statistics import STAGES
 
-WORDS = ("mesh", "method", "measurement", "status", "error", "commit", "mesh_sha256", "plugin")
+WORDS = ("mesh", "method", "measurement", "status", "error", "commit", "machine")
+WORDS += ("mesh_sha256", "plugin")
 COLUMNS = (
     "mesh",
     "triangle_count",
@@ -31,6 +32,7 @@ COLUMNS = (
     "peak_bytes",
     "error",
     "commit",
+    "machine",
     "mesh_sha256",
     "plugin",
 )
@@ -75,14 +77,14 @@ def key_of(row: dict) -> tuple:
     return tuple(row[name] for name in KEY)
 
 
-def current(rows: Iterable[dict], planned: Iterable[dict], plugin: str) -> list[dict]:
-    """The finished rows of this plugin, without those that `planned` ones replace: the same case,
-    but with other threads or another content of the mesh."""
+def current(rows: Iterable[dict], planned: Iterable[dict], stamp: dict[str, str]) -> list[dict]:
+    """The finished rows of this plugin and machine, without those that `planned` ones replace: the
+    same case, but with other threads or another content of the mesh."""
     keys = {tuple(row[name] for name in CASE): key_of(row) for row in planned}
     return [
         row
         for row in rows
-        if row["plugin"] == plugin
+        if all(row[name] == stamp[name] for name in ("plugin", "machine"))
         and row["status"] == "done"
         and keys.get(tuple(row[name] for name in CASE), key_of(row)) == key_of(row)
     ]

@@ -27,12 +27,21 @@ def surroundings() -> dict[str, str]:
             facts[package] = "not installed"
     facts["Python"] = platform.python_version()
     facts["system"] = f"{platform.system()} {platform.release()} {platform.machine()}"
-    facts["processor"] = _first_value("/proc/cpuinfo", "model name") or platform.processor()
+    facts["processor"] = _processor()
     facts["cores"] = str(core_count())
     memory = _first_value("/proc/meminfo", "MemTotal")
     if memory:
         facts["memory"] = f"{int(memory.split()[0]) / 2**20:.1f} GiB"
     return facts
+
+
+def machine() -> str:
+    """What a time depends on, in a few words."""
+    return f"{_processor()}, {core_count()} cores"
+
+
+def _processor() -> str:
+    return _first_value("/proc/cpuinfo", "model name") or platform.processor()
 
 
 def _threads() -> str:
