@@ -31,6 +31,19 @@ def sample_arrays():
     return {path.name: load_arrays(path) for path in SAMPLES}
 
 
+@pytest.fixture(scope="session")
+def evaluation(tmp_path_factory):
+    """Folder with `in`, two meshes, and `out`, their evaluation (evaluations.py)."""
+    for package in ("jinja2", "pyvista", "matplotlib", "pymetis", "numba"):
+        pytest.importorskip(package)
+    from evaluations import evaluate, write_inputs
+
+    folder = tmp_path_factory.mktemp("evaluation")
+    write_inputs(folder / "in")
+    assert evaluate(folder / "in", folder / "out") == 0
+    return folder
+
+
 @pytest.fixture
 def small_disk(tmp_path):
     """A folder with room for 256 KiB."""

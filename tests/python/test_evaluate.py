@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import recount
+from evaluations import COUNTS, RUN_METHODS, evaluate, write_inputs
 from judge import Judge
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY
 from shapes import bumpy_sphere, octahedron
@@ -24,40 +26,19 @@ pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
 pytest.importorskip("matplotlib")
 
+from spheroseg import api
 from spheroseg.baselines import BASELINES
+from spheroseg.batch import inputs
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
-from spheroseg.evaluate import environment, judging, paper, plots, report, summary, worker
+from spheroseg.evaluate import environment, judging, paper, plots, report, runner, summary, worker
 from spheroseg.evaluate import folder as report_folder
-from spheroseg.evaluate.methods import DEFAULT_METHODS, METHODS, chosen
+from spheroseg.evaluate.methods import ALL_PAIRS_LIMIT, DEFAULT_METHODS, METHODS, chosen
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
 
 TIMES = ("seconds", "details")
-RUN_METHODS = ("all_pairs", "metis_kway", "region_growing")
-
-
-def write_inputs(folder: Path) -> None:
-    folder.mkdir()
-    for name, seed in (("first", 1), ("second", 2)):
-        (folder / f"{name}.ply").write_bytes(ply_bytes(*bumpy_sphere(3, seed)))
-
-
-@pytest.fixture(scope="module")
-def evaluation(tmp_path_factory) -> Path:
-    """Folder with `in`, two meshes of 512 triangles, and `out`, their evaluation at k = 5, 16."""
-    pytest.importorskip("pymetis")
-    pytest.importorskip("numba")
-    folder = tmp_path_factory.mktemp("evaluation")
-    write_inputs(folder / "in")
-    assert evaluate(folder / "in", folder / "out") == 0
-    return folder
-
-
-def evaluate(source: Path, output: Path, *more: str, methods=RUN_METHODS) -> int:
-    arguments = ["evaluate", str(source), "-o", str(output), "--methods", ",".join(methods)]
-    return main([*arguments, "-k", "5", "16", *more])
 
 
 def results(output: Path) -> list[dict]:
@@ -123,12 +104,24 @@ def test_every_row_equals_an_independent_recount(evaluation):
         assert row["empty_submesh_count"] == 0
 
 
-def test_each_run_of_ours_prepares_the_mesh_anew():
-    vertices, faces = bumpy_sphere(4, 0)
-    runs = [METHODS["all_pairs"].run(vertices, faces, k, 0, None) for k in (5, 16)]
-    seconds = [run.details["parametrization_seconds"] for run in runs]
-    # What is kept from the run before costs nothing; two maps of one mesh cost much the same.
-    assert seconds[1] > 0.2 * seconds[0] > 0
+def test_each_run_of_ours_is_of_a_mesh_that_is_forgotten_before_the_clock_starts(monkeypatch):
+    events = []
+    for owner, function in (
+        (time, "perf_counter"),
+        (api, "forget_prepared_mesh"),
+        (api, "segment"),
+    ):
+        original = getattr(owner, function)
+
+        def recorded(*arguments, original=original, function=function, **options):
+            events.append(function)
+            return original(*arguments, **options)
+
+        monkeypatch.setattr(owner, function, recorded)
+    vertices, faces = octahedron()
+    for k in (3, 4):
+        METHODS["fast_draft"].run(vertices, faces, k, 0, None)
+    assert events == ["forget_prepared_mesh", "perf_counter", "segment", "perf_counter"] * 2
 
 
 def test_metis_rows_equal_a_direct_call(evaluation):
@@ -147,11 +140,14 @@ def test_metis_rows_equal_a_direct_call(evaluation):
         assert row["boundary_edge_count"] == direct.edge_cuts
 
 
-def test_same_command_gives_the_same_numbers_except_times(evaluation):
-    assert evaluate(evaluation / "in", evaluation / "again") == 0
+def test_same_inputs_give_the_same_rows_except_times(evaluation, tmp_path):
+    plan = runner.Plan(COUNTS, RUN_METHODS, seed=0, all_pairs_limit=ALL_PAIRS_LIMIT)
+    sources = inputs.collect([str(evaluation / "in")])
+    again, failures = runner.evaluate(sources, plan, tmp_path, lambda *_: None)
+    assert failures == []
     without_times = [
-        [{key: value for key, value in row.items() if key not in TIMES} for row in results(output)]
-        for output in (evaluation / "out", evaluation / "again")
+        [{key: value for key, value in row.items() if key not in TIMES} for row in rows]
+        for rows in (results(evaluation / "out"), again)
     ]
     assert without_times[0] == without_times[1]
 
@@ -182,13 +178,14 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
 
 def test_page_has_iterations_of_one_effort_per_mesh_and_the_folder_all(tmp_path):
     write_inputs(tmp_path / "in")
-    efforts = ("fast_draft", "fast_standard", "fast_high")
-    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("all_pairs", *efforts)) == 0
+    methods = ("all_pairs", "fast_standard", "fast_high")
+    first = tmp_path / "in" / "first.ply"
+    assert evaluate(first, tmp_path / "out", methods=methods) == 0
     plots = list((tmp_path / "out" / "plots" / "iterations").glob("*.svg"))
-    assert len(plots) == 2 * 2 * 4
+    assert len(plots) == 2 * 3
     text = (tmp_path / "out" / "report.html").read_text()
     figures = text[text.index('id="iterations"') : text.index('id="memory"')]
-    assert figures.count("<figure>") == 2 * 2
+    assert figures.count("<figure>") == 2
     assert "k = 16: Fast, standard" in figures
     assert "k = 16: Fast, high" not in figures
     assert "counts on a coarse version" in figures

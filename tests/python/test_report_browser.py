@@ -12,33 +12,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapes import bumpy_sphere
-
-from spheroseg.cli import main
-from spheroseg.ply import ply_bytes
+from evaluations import COUNTS, RUN_METHODS
 
 webdriver = pytest.importorskip("selenium.webdriver")
 image = pytest.importorskip("PIL.Image")
-pytest.importorskip("pyvista")
-pytest.importorskip("jinja2")
-pytest.importorskip("matplotlib")
-
-METHODS = ("all_pairs", "metis_kway", "region_growing")
-COUNTS = (5, 16)
 
 
 @pytest.fixture(scope="module")
-def output(tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("report")
-    for name, seed in (("first", 1), ("second", 2)):
-        vertices, faces = bumpy_sphere(3, seed)
-        # The second is tall, as people are.
-        vertices *= [1, 4 if name == "second" else 1, 1]
-        (folder / f"{name}.ply").write_bytes(ply_bytes(vertices, faces))
-    arguments = ["evaluate", str(folder / "first.ply"), str(folder / "second.ply")]
-    arguments += ["-o", str(folder / "out"), "--methods", ",".join(METHODS)]
-    assert main([*arguments, "-k", *map(str, COUNTS)]) == 0
-    return folder / "out"
+def output(evaluation) -> Path:
+    return evaluation / "out"
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +99,7 @@ def test_table_has_a_row_per_mesh_count_and_method_with_the_right_numbers(browse
         for row in json.loads((output / "results.json").read_text())["rows"]
     ]
     assert rows == expected
-    assert len(rows) == 2 * len(METHODS) * len(COUNTS)
+    assert len(rows) == 2 * len(RUN_METHODS) * len(COUNTS)
 
 
 def test_view_draws_the_mesh_in_many_colours_and_turns(browser):
