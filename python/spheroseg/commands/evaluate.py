@@ -38,6 +38,9 @@ def add_arguments(parser):
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="for all methods (0)")
     parser.add_argument(
+        "--seeds", type=int, default=1, metavar="N", help="runs, from --seed on; median shown (1)"
+    )
+    parser.add_argument(
         "--all-pairs-limit",
         type=int,
         default=methods.ALL_PAIRS_LIMIT,
@@ -78,7 +81,7 @@ def run(arguments) -> int:
     if all(row["status"] == "left out" for row in rows):
         report_folder.clear(folder)
         raise InputError(_why_nothing_ran(rows))
-    environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), plan.seed)
+    environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
     runner.write_numbers(folder, rows, environment)
     print(report.write_report(folder, rows, environment, arguments.viewer_limit))
     return 1 if failures else 0
@@ -90,8 +93,15 @@ def _plan(arguments) -> runner.Plan:
         raise InputError(f"-k must be 1 or more, got {min(counts)}")
     if arguments.seed < 0:
         raise InputError(f"--seed must be 0 or more, got {arguments.seed}")
+    if arguments.seeds < 1:
+        raise InputError(f"--seeds must be 1 or more, got {arguments.seeds}")
     names = tuple(dict.fromkeys(methods.chosen(arguments.methods)))
-    return runner.Plan(counts, names, arguments.seed, arguments.all_pairs_limit)
+    return runner.Plan(counts, names, arguments.seed, arguments.seeds, arguments.all_pairs_limit)
+
+
+def _seeds(plan: runner.Plan) -> str:
+    last = plan.seed + plan.seed_count - 1
+    return str(plan.seed) if last == plan.seed else f"{plan.seed} to {last}"
 
 
 def _why_nothing_ran(rows: list[dict]) -> str:

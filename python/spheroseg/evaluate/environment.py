@@ -12,9 +12,9 @@ from spheroseg.cores import core_count
 _PACKAGES = ("pymeshlab", "numpy", "pymetis", "kaminpar", "mtkahypar", "numba", "pyvista")
 
 
-def describe(command: str, seed: int) -> dict[str, str]:
+def describe(command: str, seeds: str) -> dict[str, str]:
     """Names and values for the report, in the order in which they are shown."""
-    return {"command": command, "seed": str(seed), "threads": _threads()} | surroundings()
+    return {"command": command, "seed": seeds, "threads": _threads()} | surroundings()
 
 
 def surroundings() -> dict[str, str]:

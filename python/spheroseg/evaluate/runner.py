@@ -24,6 +24,7 @@ class Plan:
     submesh_counts: tuple[int, ...]
     methods: tuple[str, ...]
     seed: int
+    seed_count: int
     all_pairs_limit: int
 
     def runs(self, source: Source) -> list[tuple[int, str]]:
@@ -59,6 +60,7 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
         "name": source.name,
         "folder": str(folder),
         "seed": plan.seed,
+        "seed_count": plan.seed_count,
         "all_pairs_limit": plan.all_pairs_limit,
     }
     rows = []

@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, is_valid
+from spheroseg.evaluate.judging import METIS_MODES, geometric_mean
 from spheroseg.evaluate.methods import METHODS
 
 # Key of the mean, the methods of which the one with the shortest boundary counts, and a title.
@@ -55,8 +55,8 @@ def _of_method(name: str, done: list[dict]) -> dict[str, Any]:
     times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
     numbers = {
         "method": name,
-        "result_count": len(mine),
-        "valid_count": sum(map(is_valid, mine)),
+        "result_count": sum(row["run_count"] for row in mine),
+        "valid_count": sum(row["valid_run_count"] for row in mine),
         # One sub-mesh has no boundary.
         "boundary_edges_over_hexagonal": _mean([value for value in over_bound if value > 0]),
         "microseconds_per_triangle": _mean(times),
