@@ -206,7 +206,7 @@ def test_the_document_names_the_machine_of_the_rows(tmp_path, monkeypatch):
     text = (tmp_path / "benchmarks.md").read_text()
     assert "| machine | Elsewhere, 96 cores |" in text
     assert environment.surroundings()["memory"] not in text
-    monkeypatch.setattr(environment, "machine", lambda: "Elsewhere, 96 cores")
+    monkeypatch.setattr(environment, "machine", lambda facts: "Elsewhere, 96 cores")
     assert program.main(["--report-only", "--k", "200", "--output", str(tmp_path)]) == 0
     assert environment.surroundings()["memory"] in (tmp_path / "benchmarks.md").read_text()
 

@@ -115,7 +115,7 @@ def _measure(work: list[tuple[meshes.BenchMesh, list[Run]]], options, facts) -> 
     stamp = {
         "commit": facts["commit"],
         "plugin": plugin_digest(),
-        "machine": environment.machine(),
+        "machine": environment.machine(facts),
     }
     planned = [row_of(mesh, run, options.threads) for mesh, runs in work for run in runs]
     earlier = records.load(path) if options.resume else []

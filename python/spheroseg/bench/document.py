@@ -113,10 +113,10 @@ def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reason
     ]
     if sweep:
         lines.append(f"| commit of the sweep | {named('commit', sweep)} |")
-    machines = named("machine", [*table.rows, *sweep]) or environment.machine()
+    machines = named("machine", [*table.rows, *sweep]) or environment.machine(facts)
     lines.append(f"| machine | {machines} |")
     # Of another machine only its name is known.
-    if machines == environment.machine():
+    if machines == environment.machine(facts):
         shown = ("memory", "system", "Python", "pymeshlab", "pymetis", "kaminpar", "mtkahypar")
         lines += [f"| {name} | {facts[name]} |" for name in shown if name in facts]
     lines.append(f"| threads | {facts['threads']} |")

@@ -27,7 +27,7 @@ def surroundings() -> dict[str, str]:
             facts[package] = "not installed"
     facts["Python"] = platform.python_version()
     facts["system"] = f"{platform.system()} {platform.release()} {platform.machine()}"
-    facts["processor"] = _processor()
+    facts["processor"] = _first_value("/proc/cpuinfo", "model name") or platform.processor()
     facts["cores"] = str(core_count())
     memory = _first_value("/proc/meminfo", "MemTotal")
     if memory:
@@ -35,13 +35,9 @@ def surroundings() -> dict[str, str]:
     return facts
 
 
-def machine() -> str:
+def machine(facts: dict[str, str]) -> str:
     """What a time depends on, in a few words."""
-    return f"{_processor()}, {core_count()} cores"
-
-
-def _processor() -> str:
-    return _first_value("/proc/cpuinfo", "model name") or platform.processor()
+    return f"{facts['processor']}, {facts['cores']} cores"
 
 
 def _threads() -> str:
