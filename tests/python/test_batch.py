@@ -23,7 +23,7 @@ import pytest
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
-from spheroseg import atomic
+from spheroseg import atomic, workers
 from spheroseg.batch import inputs, jobs, runner
 from spheroseg.cli import main
 from spheroseg.errors import InputError
@@ -686,7 +686,7 @@ def run_worker(job: jobs.Job, parent: int) -> subprocess.CompletedProcess:
         input=json.dumps(dataclasses.asdict(job)),
         capture_output=True,
         text=True,
-        env=jobs.package_environment(),
+        env=workers.package_environment(),
     )
 
 

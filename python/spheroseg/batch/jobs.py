@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from spheroseg import __version__, atomic, plugin_path
+from spheroseg.workers import failure_reason, package_environment
 
 RECORD_FOLDER = ".records"
 _RESULT_LIST = ".results"
@@ -125,7 +126,7 @@ def run_job(job: Job) -> dict[str, Any]:
             return json.loads(job.record_path().read_text())
         if process.returncode == DISK_FULL_EXIT:
             return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
-        record = failed_record(job, _reason(process))
+        record = failed_record(job, failure_reason(process.returncode, process.stderr))
         store(job, record)
         return record
     except atomic.DiskFullError as error:
@@ -157,13 +158,6 @@ def signal_running(number: int) -> None:
         process.send_signal(number)
 
 
-def package_environment() -> dict[str, str]:
-    """Environment for a process that imports this very package, wherever the caller found it."""
-    package = str(Path(__file__).resolve().parents[2])
-    others = os.environ.get("PYTHONPATH")
-    return dict(os.environ, PYTHONPATH=os.pathsep.join([package, others] if others else [package]))
-
-
 def store(job: Job, record: dict[str, Any]) -> None:
     path = job.record_path()
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -179,10 +173,3 @@ def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any
         "settings": job.settings(),
         "outputs": {},
     }
-
-
-def _reason(process: subprocess.CompletedProcess) -> str:
-    if process.returncode < 0:
-        return f"the process was ended by signal {-process.returncode}"
-    lines = process.stderr.strip().splitlines()
-    return lines[-1] if lines else f"the process ended with exit code {process.returncode}"

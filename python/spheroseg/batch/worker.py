@@ -7,9 +7,7 @@ Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the d
 interrupted.
 """
 
-import ctypes
 import json
-import os
 import signal
 import socket
 import sys
@@ -25,12 +23,11 @@ from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.file_checks import check_is_file
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
-
-_PR_SET_PDEATHSIG = 1
+from spheroseg.workers import end_with
 
 
 def main() -> int:
-    _end_with(int(sys.argv[1]))
+    end_with(int(sys.argv[1]))
     _be_interrupted_once()
     job = Job(**json.load(sys.stdin))
     try:
@@ -102,14 +99,6 @@ def _content(suffix: str, mesh, labels: np.ndarray) -> bytes:
         return mesh_files.npy_bytes(labels)
     submeshes = split_into_submeshes(vertices, faces, labels)
     return npz_bytes(submeshes) if suffix == ".npz" else glb_bytes(submeshes, colours)
-
-
-def _end_with(parent: int) -> None:
-    """Asks Linux to end this process when its parent is killed, which may have happened already."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:
-            sys.exit(1)
 
 
 def _be_interrupted_once() -> None:
