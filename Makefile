@@ -55,7 +55,7 @@ report: setup plugin
 	$(PYTHON) -m spheroseg evaluate sample_meshes $(REPORT_MESHES) \
 		$(addprefix $(shell $(PYTHON) -c 'import pymeshlab; print(pymeshlab.__path__[0])')/tests/sample_meshes/,\
 			cow.obj airplane.obj bone.ply bunny.obj) \
-		-o out/report --replace -k 20 200
+		-o out/report -k 20 200
 
 # BENCH holds options, as in: make bench BENCH="--meshes cow,bunny --k 200" (see --help).
 bench: setup plugin

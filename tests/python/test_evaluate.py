@@ -347,7 +347,7 @@ def files_below(folder: Path) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_a_second_report_replaces_the_first_only_if_asked(tmp_path, capsys):
+def test_a_second_report_takes_the_place_of_the_first(tmp_path, capsys):
     (tmp_path / "in" / "sub").mkdir(parents=True)
     for name in ("one.ply", "sub/two.ply"):
         (tmp_path / "in" / name).write_bytes(ply_bytes(*octahedron()))
@@ -360,13 +360,15 @@ def test_a_second_report_replaces_the_first_only_if_asked(tmp_path, capsys):
     page = (output / "report.html").read_bytes()
     (output / "labels" / "notes.txt").write_text("mine")
 
+    # A command that can run nothing leaves the report as it is.
     again = tmp_path / "in" / "one.ply"
-    assert evaluate(again, output, methods=("region_growing",)) == 2
-    assert f"{output}: has an earlier report" in capsys.readouterr().err
+    nothing = ["evaluate", str(again), "-o", str(output), "-k", "16", "--methods", "region_growing"]
+    assert main(nothing) == 2
+    assert "no method could run" in capsys.readouterr().err
     assert files_below(output) == first | {"labels/notes.txt"}
     assert (output / "report.html").read_bytes() == page
 
-    assert evaluate(again, output, "--replace", methods=("region_growing",)) == 0
+    assert evaluate(again, output, methods=("region_growing",)) == 0
     assert files_below(output) == {
         ".report",
         "labels/notes.txt",
@@ -396,7 +398,7 @@ def test_a_list_of_files_outside_the_folder_removes_none(tmp_path):
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / ".report").write_text(json.dumps(["../mine", str(tmp_path / "mine"), "gone"]))
-    report_folder.clear(folder)
+    report_folder.keep_only(folder, [])
     assert (tmp_path / "mine").exists()
     assert files_below(folder) == set()
 

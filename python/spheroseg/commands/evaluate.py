@@ -54,9 +54,6 @@ def add_arguments(parser):
         metavar="N",
         help=f"leave meshes above N triangles out of the 3D view ({VIEWER_LIMIT})",
     )
-    parser.add_argument(
-        "--replace", action="store_true", help="remove an earlier report from DIR first"
-    )
 
 
 def run(arguments) -> int:
@@ -65,7 +62,8 @@ def run(arguments) -> int:
     plan = _plan(arguments)
     sources = inputs.collect(arguments.inputs)
     report = _report_module()
-    report_folder.prepare(folder, runner.files_of(sources, plan), arguments.replace)
+    files = runner.files_of(sources, plan)
+    earlier = report_folder.prepare(folder, files)
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("Evaluating"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
@@ -79,11 +77,13 @@ def run(arguments) -> int:
     for failure in failures:
         console.print(f"failed: {failure}", markup=False, emoji=False)
     if all(row["status"] == "left out" for row in rows):
-        report_folder.clear(folder)
+        report_folder.keep_only(folder, earlier)
         raise InputError(_why_nothing_ran(rows))
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
     runner.write_numbers(folder, rows, environment)
-    print(report.write_report(folder, rows, environment, arguments.viewer_limit))
+    page = report.write_report(folder, rows, environment, arguments.viewer_limit)
+    report_folder.keep_only(folder, files)
+    print(page)
     return 1 if failures else 0
 
 

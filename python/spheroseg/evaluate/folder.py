@@ -2,7 +2,8 @@
 """The folder of a report: what lies where, and how an earlier report makes room.
 
 The list `DIR/.report` names every file that a report may write; it is there before the first of
-them, so that also a report that was broken off can be removed whole, and nothing but it.
+them. When a report is done, it takes the place of the earlier one: what that one had more is
+removed, even where it was broken off, and nothing else.
 """
 
 import contextlib
@@ -39,42 +40,53 @@ def files_of(results: Iterable[tuple[str, int, str]]) -> list[str]:
     return files
 
 
-def prepare(folder: Path, files: list[str], replace: bool) -> None:
-    """Makes the folder for a report that writes `files`. Refuses one with an earlier report unless
-    that is to be replaced, and one where a file is there already."""
-    if (folder / LIST_NAME).exists():
-        if not replace:
+def prepare(folder: Path, files: list[str]) -> list[str]:
+    """Makes the folder for a report that writes `files`; returns those of an earlier report there.
+
+    Refuses a folder where one of the files is there already and of no report.
+    """
+    earlier = _listed(folder)
+    known = set(earlier)
+    for file in files:
+        if file not in known and (folder / file).exists():
             raise InputError(
-                f"{folder}: has an earlier report, or a part of one; add --replace to remove that "
-                "first, or name another folder"
-            )
-        clear(folder)
-    elif not replace:
-        found = next((folder / file for file in files if (folder / file).exists()), None)
-        if found:
-            raise InputError(
-                f"{found}: is there already, and the report would replace it; name another folder, "
-                "or add --replace"
+                f"{folder / file}: is there already, and the report would replace it; name "
+                "another folder"
             )
     folder.mkdir(parents=True, exist_ok=True)
     atomic.remove_leftovers(folder)
-    atomic.write_text(folder / LIST_NAME, json.dumps(files, indent=0) + "\n")
+    _write_list(folder, [*earlier, *(file for file in files if file not in known)])
+    return earlier
 
 
-def clear(folder: Path) -> None:
-    """Removes the files that the list names, then folders that are empty now, then the list."""
-    path = folder / LIST_NAME
-    try:
-        files = [Path(file) for file in json.loads(path.read_text())]
-    except (ValueError, TypeError):
-        raise InputError(f"{path}: is no list of a report's files; remove the report") from None
+def keep_only(folder: Path, files: list[str]) -> None:
+    """Removes what the list names beside `files`, and folders that are empty then."""
+    kept = set(files)
     parents = set()
-    for file in files:
+    for file in map(Path, _listed(folder)):
         # Of a list that somebody else wrote nothing outside the folder is removed.
-        if not file.is_absolute() and ".." not in file.parts and (folder / file).is_file():
+        inside = not file.is_absolute() and ".." not in file.parts
+        if inside and file.as_posix() not in kept and (folder / file).is_file():
             (folder / file).unlink()
             parents |= set(file.parents) - {Path()}
     for parent in sorted(parents, key=lambda parent: len(parent.parts), reverse=True):
         with contextlib.suppress(OSError):
             (folder / parent).rmdir()
-    path.unlink()
+    if files:
+        _write_list(folder, files)
+    else:
+        (folder / LIST_NAME).unlink(missing_ok=True)
+
+
+def _listed(folder: Path) -> list[str]:
+    path = folder / LIST_NAME
+    try:
+        return [str(file) for file in json.loads(path.read_text())]
+    except FileNotFoundError:
+        return []
+    except (ValueError, TypeError):
+        raise InputError(f"{path}: is no list of a report's files; remove the report") from None
+
+
+def _write_list(folder: Path, files: list[str]) -> None:
+    atomic.write_text(folder / LIST_NAME, json.dumps(files, indent=0) + "\n")
