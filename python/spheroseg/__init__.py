@@ -2,15 +2,18 @@
 """Balanced, connected, bowtie-free segmentation of triangle meshes.
 
 Importing the package loads the SpheroSeg plugin into PyMeshLab and binds its filters as methods of
-`pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays.
+`pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays. Import
+it before `pymeshlab`: both orders work, but the other one is slow on a busy machine
+(docs/performance.md, "Busy machines").
 """
 
 import os
 import sys
 from pathlib import Path
 
-# Read once, when OpenMP's runtime is loaded. Threads that spin while they wait cost a busy machine
-# several times the work itself; on an idle one sleeping costs nothing that could be measured.
+# Read once, when OpenMP's runtime is loaded, which PyMeshLab does: it works where this package is
+# imported first. Threads that spin while they wait cost a busy machine several times the work
+# itself; on an idle one sleeping costs nothing that could be measured.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 from spheroseg._plugin import load_plugin, plugin_path

@@ -2,6 +2,7 @@
 """Where the package finds the plugin, and what it says when the plugin does not fit."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -102,6 +103,32 @@ def test_the_command_line_says_it_in_one_line_and_still_shows_its_help(other_rel
     assert "2023.12" in run.stderr
     assert "2025.07" in run.stderr
     assert run_python("-m", "spheroseg", "--help", **environment).returncode == 0
+
+
+def imports_of_the_documents():
+    """The lines of README.md and docs/ that import the package together with PyMeshLab."""
+    paths = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
+    pattern = re.compile(r"import [a-z, ]*\bspheroseg\b[a-z, ]*")
+    found = {(path.name, line) for path in paths for line in pattern.findall(path.read_text())}
+    return sorted((name, line.strip()) for name, line in found if "pymeshlab" in line)
+
+
+@pytest.mark.parametrize("line", sorted({line for _, line in imports_of_the_documents()}))
+def test_imports_of_the_documents_come_before_openmp_reads_its_settings(line):
+    # GNU's library, asked by OMP_DISPLAY_ENV, tells when it is loaded how long threads will spin.
+    environment = {"OMP_DISPLAY_ENV": "verbose", "OMP_WAIT_POLICY": ""}
+    told = run_python("-c", f"import os; del os.environ['OMP_WAIT_POLICY']; {line}", **environment)
+    assert told.returncode == 0
+    assert "GOMP_SPINCOUNT = '0'" in told.stderr
+
+
+def test_documents_show_the_import():
+    assert {name for name, _ in imports_of_the_documents()} >= {"README.md", "python.md"}
+
+
+def test_a_wait_policy_of_the_user_stays():
+    show = "import spheroseg, os; print(os.environ['OMP_WAIT_POLICY'])"
+    assert run_python("-c", show, OMP_WAIT_POLICY="active").stdout == "active\n"
 
 
 def test_importing_twice_or_loading_again_changes_nothing():
