@@ -15,8 +15,10 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
+from shapes import bumpy_sphere
 
 import spheroseg
+from spheroseg import _plugin
 
 FILTERS = [
     "compute_scalar_by_balanced_segmentation_per_face",
@@ -331,25 +333,28 @@ def test_the_largest_label_is_taken(cube):
 
 
 def test_meshes_can_be_loaded_after_a_refused_call():
-    # PyMeshLab alone may crash here; see spheroseg._plugin.forget_failed_call.
+    # PyMeshLab alone crashes here; see spheroseg._plugin.forget_failed_call.
     script = """
-import numpy, pymeshlab, spheroseg, sys
-for _ in range(40):
-    refused = pymeshlab.MeshSet()
-    refused.add_mesh(pymeshlab.Mesh(numpy.eye(3), numpy.array([[0, 1, 2]], numpy.int32)))
-    try:
-        refused.compute_scalar_by_balanced_segmentation_per_face()
-    except pymeshlab.PyMeshLabException:
-        pass
-    del refused
-    other = numpy.random.rand(1000)
-    pymeshlab.MeshSet().load_new_mesh(sys.argv[1])
+import numpy, spheroseg, pymeshlab, sys
+other = pymeshlab.MeshSet()  # now, as later it could take the place of the refused one
+refused = pymeshlab.MeshSet()
+refused.add_mesh(pymeshlab.Mesh(numpy.eye(3), numpy.array([[0, 1, 2]], numpy.int32)))
+try:
+    refused.compute_scalar_by_balanced_segmentation_per_face(submesh_count=2)
+except pymeshlab.PyMeshLabException as error:
+    print("refused" if "submesh_count" in str(error) else error)
+del refused
+other.load_new_mesh(sys.argv[1])
+print("loaded")
 """
+    fill_freed_memory = {"MALLOC_PERTURB_": "165"}
     done = subprocess.run(
         [sys.executable, "-c", script, str(PYMESHLAB_MESHES[0])],
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python")},
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **fill_freed_memory},
     )
-    assert done.returncode == 0
+    assert (done.returncode, done.stdout) == (0, "refused\nloaded\n"), done.stderr
 
 
 def test_calls_of_several_threads_wait_for_one_another(sample_arrays):
@@ -405,10 +410,12 @@ def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, cod
     assert done.returncode == code
 
 
-def test_a_fork_waits_for_the_filter_of_another_thread(cube, sample_arrays):
+def test_a_fork_waits_for_the_filter_of_another_thread(cube):
     with futures.ThreadPoolExecutor(1) as pool:
-        other = pool.submit(spheroseg.segment, *sample_arrays["displaced_sphere.ply"], 200)
-        time.sleep(0.1)  # until it runs
+        other = pool.submit(spheroseg.segment, *bumpy_sphere(5, 0), 200, effort="high")
+        while not (_plugin._one_at_a_time.locked() or other.done()):
+            time.sleep(0.01)
+        assert not other.done()
         child = os.fork()
         if child == 0:
             signal.alarm(20)

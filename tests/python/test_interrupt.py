@@ -218,6 +218,35 @@ def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
     assert (output / "a.ply").stat().st_mtime_ns == kept
 
 
+WORKER = """
+import os, signal, sys
+from spheroseg.batch import worker
+
+def interrupted_twice(job):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    finally:
+        os.kill(os.getpid(), signal.SIGINT)
+        print("cleaned up")
+
+worker.Job = dict
+worker._check_versions = interrupted_twice
+sys.exit(worker.main())
+"""
+
+
+def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():
+    done = subprocess.run(
+        [sys.executable, "-c", WORKER, str(os.getpid())],
+        input="{}",
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+    )
+    assert (done.stdout, done.stderr) == ("cleaned up\n", "interrupted\n")
+    assert done.returncode == jobs.INTERRUPTED_EXIT
+
+
 def children(process_id):
     found = Path(f"/proc/{process_id}/task").glob("*/children")
     return {int(child) for path in found for child in read_or_nothing(path).split()}
