@@ -32,7 +32,7 @@ def export(submeshes: SubMeshes, path: Path, face_colours: np.ndarray | None = N
 
 def gltf_library() -> ModuleType:
     """What writes `.glb` files. Raises MissingPackageError."""
-    return require("pygltflib", "a '.glb' file", "spheroseg[export]")
+    return require("pygltflib", "a '.glb' file")
 
 
 def npz_bytes(submeshes: SubMeshes) -> bytes:

@@ -7,12 +7,12 @@ from types import ModuleType
 from spheroseg.errors import MissingPackageError
 
 
-def require(package: str, purpose: str, install: str) -> ModuleType:
-    """Imports a package for `purpose`; a MissingPackageError says what to `pip install`."""
+def require(package: str, purpose: str) -> ModuleType:
+    """Imports a package for `purpose`; a MissingPackageError says how to install it."""
     try:
         return importlib.import_module(package)
     except ImportError as error:
         raise MissingPackageError(
             f"{purpose} needs the package '{package}' ({error}); install it with "
-            f"'pip install {install}' (in a checkout: make setup)"
+            f"'pip install {package}' (in a checkout: make setup)"
         ) from error

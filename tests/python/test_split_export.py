@@ -480,7 +480,7 @@ def test_glb_without_its_package_is_refused_in_one_line(labelled_files, monkeypa
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "needs the package 'pygltflib'" in said
-    assert "pip install spheroseg[export]" in said
+    assert "pip install pygltflib'" in said
     with pytest.raises(ImportError, match="pygltflib"):
         glb_bytes(split_into_submeshes(*octahedron(), [0] * 8))
 

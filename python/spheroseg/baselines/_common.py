@@ -14,7 +14,7 @@ from spheroseg.errors import InputError
 
 def require(package: str) -> ModuleType:
     """Imports an optional library; the error says how to get it."""
-    return packages.require(package, "this baseline", package)
+    return packages.require(package, "this baseline")
 
 
 def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None) -> DualGraph:

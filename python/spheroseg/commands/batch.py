@@ -135,9 +135,9 @@ def _check_packages(arguments) -> None:
     if "glb" in _formats(arguments):
         gltf_library()
     if arguments.manifest == "parquet":
-        require("pyarrow", "--manifest parquet", "spheroseg[batch]")
+        require("pyarrow", "--manifest parquet")
     if arguments.scheduler:
-        require("distributed", "--scheduler", "spheroseg[batch]")
+        require("distributed", "--scheduler")
 
 
 def _own_options(options: dict, submesh_count: int | None) -> dict:

@@ -116,5 +116,5 @@ def _why_nothing_ran(rows: list[dict]) -> str:
 
 def _report_module():
     for package in ("jinja2", "matplotlib", "pyvista"):
-        require(package, "a report", "spheroseg[evaluate]")
+        require(package, "a report")
     return importlib.import_module("spheroseg.evaluate.report")
