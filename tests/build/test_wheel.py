@@ -6,6 +6,7 @@ import sys
 import zipfile
 from pathlib import Path
 
+import spheroseg
 from spheroseg.install import Host, plugin_host
 
 ROOT = Path(__file__).parents[2]
@@ -20,13 +21,13 @@ def test_wheel_holds_the_package_the_plugin_and_the_command(tmp_path):
         text=True,
     )
     assert built.returncode == 0, built.stderr
-    (wheel,) = tmp_path.glob("spheroseg-*-py3-none-*.whl")
+    (wheel,) = tmp_path.glob(f"spheroseg-{spheroseg.__version__}-py3-none-*.whl")
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         commands = next(name for name in names if name.endswith("entry_points.txt"))
         assert "spheroseg=spheroseg.cli:main" in archive.read(commands).decode().replace(" ", "")
         archive.extract(DESKTOP_PLUGIN, tmp_path)
     assert plugin_host(tmp_path / DESKTOP_PLUGIN) == Host("2025.07", "float")
-    assert "spheroseg/__init__.py" in names
+    assert {"spheroseg/__init__.py", "spheroseg/py.typed"} <= set(names)
     assert "spheroseg/libfilter_spheroseg.so" in names
     assert not [name for name in names if name.startswith(("tests", "filter_spheroseg"))]
