@@ -9,6 +9,7 @@ GUI_ROOT := $(or $(SPHEROSEG_GUI_ROOT),$(CURDIR)/.cache/meshlab-root)
 CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp' 'filter_spheroseg/*.cu' \
 	'filter_spheroseg/*.cuh' 'tests/*.h' 'tests/*.cpp' 'tools/*.h' 'tools/*.cpp')
 export PYTHONPATH := $(CURDIR)/python
+export CCACHE_DIR ?= $(CURDIR)/.cache/ccache
 
 help:
 	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
@@ -31,12 +32,13 @@ setup-run:
 	@scripts/setup.sh run
 
 plugin: setup-run
-	cmake --preset plugin
+	cmake --preset plugin $(WARNINGS)
 	cmake --build build/plugin --parallel $(JOBS)
 
 # Where the application of the GUI tests is at hand, the linker checks that it brings all symbols.
 plugin-gui: setup-run
-	cmake --preset gui -DSPHEROSEG_MESHLAB_COMMON=$$(ls $(GUI_ROOT)/usr/lib/*/meshlab/libmeshlab-common.so 2>/dev/null)
+	cmake --preset gui $(WARNINGS) \
+		-DSPHEROSEG_MESHLAB_COMMON=$$(ls $(GUI_ROOT)/usr/lib/*/meshlab/libmeshlab-common.so 2>/dev/null)
 	cmake --build build/gui --parallel $(JOBS)
 
 install-gui: plugin-gui
@@ -60,6 +62,9 @@ report: setup plugin
 # BENCH holds options, as in: make bench BENCH="--meshes cow,bunny --k 200" (see --help).
 bench: setup plugin
 	$(PYTHON) -m spheroseg.bench $(BENCH)
+
+# In tests warnings are errors. In all builds, as objects are shared between equal options only.
+test test-gui: WARNINGS := -DSPHEROSEG_WERROR=ON
 
 test: test-style test-engine test-sanitize test-race test-plugin test-python test-gui
 

@@ -13,7 +13,7 @@ readonly venv="$root/.venv"
 run_packages=(g++ cmake ninja-build python3 python3-venv git ca-certificates xz-utils
     qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libglu1-mesa-dev libopengl0)
 gui_packages=(debootstrap xvfb openbox xdotool x11-utils xclip)
-dev_packages=(libgtest-dev clang libomp-dev libegl1)
+dev_packages=(libgtest-dev clang libomp-dev libegl1 ccache)
 # Elsewhere Chromium is no ordinary package; the tests of the report then skip.
 if grep -qs '^ID=debian' /etc/os-release; then dev_packages+=(chromium chromium-driver); fi
 
@@ -36,7 +36,8 @@ setup: install these, then run again with SPHEROSEG_SKIP_PACKAGES=1:
     a C++17 compiler with OpenMP, CMake 3.22 or later, Ninja, git, xz,
     Python 3.11 or later with venv,
     the development files of Qt 5.15 (Core, Gui, Widgets, Xml, OpenGL), GLEW, GLU and Eigen 3.3,
-    for the tests also GoogleTest, clang with its OpenMP library and Chromium with its driver.
+    for the tests also GoogleTest, clang with its OpenMP library and Chromium with its driver
+    (ccache, where it is there, saves time).
   On Debian and Ubuntu: ${packages[*]}
 END
     exit 1

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The package as pip builds it has the plugin inside, for PyMeshLab and for MeshLab."""
 
+import os
 import subprocess
 import sys
 import zipfile
@@ -11,14 +12,18 @@ from spheroseg.install import Host, plugin_host
 
 ROOT = Path(__file__).parents[2]
 DESKTOP_PLUGIN = "spheroseg/desktop/libfilter_spheroseg.so"
+# The compiler's name and the options of the other builds, which may have left objects in ccache.
+AS_ELSEWHERE = {"CXX": "c++"}
+WARNINGS = "--config-settings=cmake.define.SPHEROSEG_WERROR=ON"
 
 
 def test_wheel_holds_the_package_the_plugin_and_the_command(tmp_path):
     built = subprocess.run(
         [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-w", tmp_path]
-        + [str(ROOT)],
+        + [WARNINGS, str(ROOT)],
         capture_output=True,
         text=True,
+        env={**AS_ELSEWHERE, **os.environ},
     )
     assert built.returncode == 0, built.stderr
     (wheel,) = tmp_path.glob(f"spheroseg-{spheroseg.__version__}-py3-none-*.whl")
