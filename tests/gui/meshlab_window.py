@@ -125,7 +125,8 @@ class MeshLabWindow:
         """Keeps a picture of the screen among the test's artefacts."""
         self._shots += 1
         path = self.screen.save(self._artefacts / f"{self._shots:02d}-{name}.png")
-        return Image.open(path)
+        with Image.open(path) as picture:
+            return picture.copy()
 
     def log_text(self) -> str:
         return self._log_file.read_text(errors="replace")

@@ -9,6 +9,7 @@ import re
 import resource
 import signal
 import struct
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -44,7 +45,7 @@ def whole(tmp_path_factory):
 def little_memory():
     """What asks for much memory fails at once instead of taking the machine's."""
     limits = resource.getrlimit(resource.RLIMIT_AS)
-    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()  # noqa: PTH123, SIM115
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + 2 * GIB, limits[1]))
     yield
     resource.setrlimit(resource.RLIMIT_AS, limits)
