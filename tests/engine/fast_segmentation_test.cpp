@@ -200,6 +200,15 @@ TEST(Fast, DependsOnConnectivityOnly) {
     }
 }
 
+TEST(Fast, WhatAMapLeftBehindGivesTheSameLabels) {
+    const TriangleMesh mesh = displaced_sphere(3);
+    PreparedMesh fresh(mesh, 1);
+    PreparedMesh mapped(mesh, 1);
+    mapped.parametrization(1);
+    const SegmentOptions options = fast_options(8, Effort::draft);
+    EXPECT_EQ(segment(mapped, options).labels, segment(fresh, options).labels);
+}
+
 TEST(Fast, MoreEffortGivesShorterBoundaries) {
     PreparedMesh prepared(displaced_sphere(4), 2);
     int draft = 0;
