@@ -12,6 +12,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 # Where CI is set everything is there that tests need, and these are all the reasons to skip one.
 REASONS_TO_SKIP = (
     "there is a usable GPU",
+    "mounting a small disk needs root",
     "PyMeshLab 2022.2 corrupts its memory when Python adds an attribute",
 )
 
