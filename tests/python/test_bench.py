@@ -59,6 +59,12 @@ def test_geometric_mean_of_two_and_eight_is_four():
     assert math.isnan(geometric_mean([]))
 
 
+@pytest.mark.parametrize("count", [1, 3])
+def test_geometric_mean_of_equal_numbers_is_that_number(count):
+    numbers = np.random.default_rng(0).uniform(1e-6, 1e6, 1000)
+    assert [geometric_mean([number] * count) for number in numbers] == list(numbers)
+
+
 def test_exponent_of_a_power_law_is_its_power():
     sizes = [5_000, 20_000, 80_000, 1_300_000]
     assert fitted_exponent(sizes, [3e-6 * size**1.1 for size in sizes]) == pytest.approx(1.1)

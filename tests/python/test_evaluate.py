@@ -610,6 +610,17 @@ def test_summary_compares_with_the_better_metis_mode():
     assert "times that" not in lines[1] + lines[2]
 
 
+def test_one_result_is_plotted_whatever_its_time():
+    # With these the logarithm's rounding made an axis of no length, and a division by it.
+    row = {
+        "method": "fast",
+        "seconds": 5.1380740783157756e-05,
+        "triangle_count": 8,
+        "boundary_edges_over_hexagonal": 0.5,
+    }
+    assert "Title of the method" in plots.quality_and_time([row], {"fast": "Title of the method"})
+
+
 def test_summary_is_of_geometric_means_over_cases_that_all_have_done():
     both = [row(method, 50) for method in summary.METIS_MODES]
     one = [row("metis_kway", 10, mesh="n"), row("metis_recursive", 0, mesh="n", status="failed")]

@@ -30,6 +30,8 @@ def is_valid(result: Mapping[str, Any], best_difference: int = 1) -> bool:
 
 
 def geometric_mean(values: Iterable[float]) -> float:
-    """Of numbers above 0; NaN for none."""
+    """Of numbers above 0, never outside of them by rounding; NaN for none."""
     values = list(values)
-    return statistics.geometric_mean(values) if values else math.nan
+    if not values:
+        return math.nan
+    return min(max(statistics.geometric_mean(values), min(values)), max(values))
