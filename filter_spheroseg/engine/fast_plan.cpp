@@ -28,14 +28,16 @@ constexpr double kRelaxation = 0.03;
 constexpr double kUncoarsening = 0.1;
 constexpr double kFinish = 0.05;
 
+Schedules schedules_of(int face_count, int submesh_count, Effort effort, int thread_count) {
+    const bool are_small = face_count < std::int64_t{kSmallSubmesh} * submesh_count;
+    return {budget_of(effort), are_small, thread_count};
+}
+
 } // namespace
 
 FastPlan::FastPlan(int face_count, int submesh_count, Effort effort, int thread_count)
-    : face_count_(face_count),
-      submesh_count_(submesh_count), schedules_{budget_of(effort),
-                                                face_count <
-                                                    std::int64_t{kSmallSubmesh} * submesh_count,
-                                                thread_count},
+    : face_count_(face_count), submesh_count_(submesh_count),
+      schedules_(schedules_of(face_count, submesh_count, effort, thread_count)),
       first_face_count_(coarse_face_count()) {}
 
 int FastPlan::coarse_face_count() const {

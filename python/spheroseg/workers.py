@@ -42,7 +42,7 @@ def results(module: str, job: Message, tasks: list[Message]) -> Iterator[tuple[M
     while waiting:
         facts = None
         with tempfile.TemporaryFile() as complaints:
-            with _started(module, job | {"tasks": list(waiting)}, complaints) as process:
+            with _fed(module, job | {"tasks": list(waiting)}, complaints) as process:
                 for line in process.stdout:
                     if not line.endswith("\n"):
                         break  # killed while it wrote
@@ -61,15 +61,8 @@ def results(module: str, job: Message, tasks: list[Message]) -> Iterator[tuple[M
 
 
 @contextlib.contextmanager
-def _started(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen]:
-    with subprocess.Popen(
-        [sys.executable, "-m", module, str(os.getpid())],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=complaints,
-        text=True,
-        env=package_environment(),
-    ) as process:
+def _fed(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen]:
+    with start(module, complaints) as process:
         try:
             with contextlib.suppress(BrokenPipeError), process.stdin:
                 json.dump(job, process.stdin)
@@ -77,6 +70,18 @@ def _started(module: str, job: Message, complaints: IO) -> Iterator[subprocess.P
         except BaseException:
             process.kill()
             raise
+
+
+def start(module: str, stderr: IO | int) -> subprocess.Popen:
+    """Starts `python -m module`, which calls `end_with` its argument; a pipe each way, of text."""
+    return subprocess.Popen(
+        [sys.executable, "-m", module, str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=stderr,
+        text=True,
+        env=package_environment(),
+    )
 
 
 def package_environment() -> dict[str, str]:

@@ -7,16 +7,13 @@ are whole. Everything a run needs to go on after a kill is in these records.
 
 import hashlib
 import json
-import os
 import subprocess
-import sys
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from spheroseg import __version__, atomic, plugin_path
-from spheroseg.workers import failure_reason, package_environment
+from spheroseg import __version__, atomic, plugin_path, workers
 
 RECORD_FOLDER = ".records"
 _RESULT_LIST = ".results"
@@ -126,7 +123,7 @@ def run_job(job: Job) -> dict[str, Any]:
             return json.loads(job.record_path().read_text())
         if process.returncode == DISK_FULL_EXIT:
             return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
-        record = failed_record(job, failure_reason(process.returncode, process.stderr))
+        record = failed_record(job, workers.failure_reason(process.returncode, process.stderr))
         store(job, record)
         return record
     except atomic.DiskFullError as error:
@@ -136,14 +133,7 @@ def run_job(job: Job) -> dict[str, Any]:
 
 
 def _run_worker(job: str) -> subprocess.CompletedProcess:
-    with subprocess.Popen(
-        [sys.executable, "-m", "spheroseg.batch.worker", str(os.getpid())],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=package_environment(),
-    ) as process:
+    with workers.start("spheroseg.batch.worker", stderr=subprocess.PIPE) as process:
         _running.add(process)
         try:
             said, complained = process.communicate(job)
