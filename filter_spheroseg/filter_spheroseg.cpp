@@ -275,7 +275,7 @@ Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
     }
     const int submesh_count = *std::max_element(labels.begin(), labels.end()) + 1;
     const DualGraph dual_graph = build_dual_graph(host.mesh);
-    const Measures measures = spheroseg::measure(host.mesh, dual_graph, labels, submesh_count);
+    const Measures measures = spheroseg::measure(host.mesh, dual_graph, labels, submesh_count, 0);
     log(GLLogStream::FILTER, summary(measures));
     return measure_results(measures);
 }

@@ -28,14 +28,15 @@ struct Measures {
     }
 };
 
-/// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k), on up to two threads.
-/// Edges and neighbours are those of the dual graph; an empty sub-mesh is neither disconnected nor
-/// a disk. Throws InvalidInput when the sizes differ or a label is out of range.
+/// Measures `labels` (one per face, each in [0, submesh_count)) in O(F + k), on up to two threads
+/// (thread_count 0: as many as there are cores). Edges and neighbours are those of the dual graph;
+/// an empty sub-mesh is neither disconnected nor a disk. Throws InvalidInput when the sizes differ
+/// or a label is out of range.
 Measures measure(const TriangleMesh& mesh,
                  const DualGraph& dual_graph,
                  const std::vector<int>& labels,
                  int submesh_count,
-                 int thread_count = 0,
+                 int thread_count,
                  VertexFanCount fans_per_vertex = VertexFanCount::unknown);
 
 /// `boundary_edge_count` alone.

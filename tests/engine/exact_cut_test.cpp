@@ -52,7 +52,7 @@ Tree planted_tree(int face_count, std::uint64_t seed) {
 /// Whether connected parts of `least` to `most` faces exist: all labellings are tried.
 bool exists(const Levels& levels, int k, int least, int most, std::vector<int>& labels, int face) {
     if (face == levels.mesh.face_count()) {
-        const Measures measures = measure(levels.mesh, levels.graph, labels, k);
+        const Measures measures = measure(levels.mesh, levels.graph, labels, k, 1);
         return is_sound(measures) && measures.min_submesh_triangles >= least &&
             measures.max_submesh_triangles <= most;
     }

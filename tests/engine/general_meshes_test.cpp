@@ -185,7 +185,7 @@ void expect_measured_as_recounted(const TriangleMesh& mesh,
                                   const std::vector<int>& labels,
                                   int submesh_count,
                                   int& disk_count) {
-    const Measures measures = measure(mesh, build_dual_graph(mesh), labels, submesh_count);
+    const Measures measures = measure(mesh, build_dual_graph(mesh), labels, submesh_count, 1);
     const fuzz::Recount recount = fuzz::Surface(mesh).recount(labels, submesh_count);
     EXPECT_EQ(measures.submesh_triangles, recount.triangle_counts);
     EXPECT_EQ(measures.max_triangle_count_difference, recount.max_triangle_count_difference);

@@ -18,7 +18,7 @@ namespace {
 using namespace test;
 
 Measures measure_labels(const TriangleMesh& mesh, const std::vector<int>& labels, int k) {
-    return measure(mesh, build_dual_graph(mesh), labels, k);
+    return measure(mesh, build_dual_graph(mesh), labels, k, 2);
 }
 
 void expect_same(const Measures& found, const Measures& expected) {
@@ -257,10 +257,10 @@ TEST(Measures, NoFacesGiveZeros) {
 TEST(Measures, WrongSizesAndLabelsAreNamed) {
     const TriangleMesh mesh = tetrahedron();
     const DualGraph graph = build_dual_graph(mesh);
-    EXPECT_THROW(measure(mesh, graph, {0, 0, 0}, 1), InvalidInput);
-    EXPECT_THROW(measure(mesh, graph, {0, 0, -1, 0}, 1), InvalidInput);
+    EXPECT_THROW(measure(mesh, graph, {0, 0, 0}, 1, 1), InvalidInput);
+    EXPECT_THROW(measure(mesh, graph, {0, 0, -1, 0}, 1, 1), InvalidInput);
     try {
-        measure(mesh, graph, {0, 1, 2, 0}, 2);
+        measure(mesh, graph, {0, 1, 2, 0}, 2, 1);
         FAIL() << "label 2 of 2 sub-meshes was accepted";
     } catch (const InvalidInput& error) {
         EXPECT_NE(std::string(error.what()).find("face 2 has label 2"), std::string::npos);

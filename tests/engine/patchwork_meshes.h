@@ -77,8 +77,11 @@ inline AnnealSchedule schedule_of(double proposals, int thread_count) {
 }
 
 inline Measures measures_of(const Levels& levels, const Patchwork& patchwork) {
-    return measure(
-        levels.mesh, levels.graph, levels.multilevel.labels(patchwork), patchwork.submesh_count());
+    return measure(levels.mesh,
+                   levels.graph,
+                   levels.multilevel.labels(patchwork),
+                   patchwork.submesh_count(),
+                   1);
 }
 
 /// Every sub-mesh has a face, is connected and has no bowtie; it need not be balanced.
@@ -90,7 +93,8 @@ inline bool is_sound(const Measures& measures) {
 /// The mesh that a patchwork is, and its labels measured.
 inline Measures measures_of_level(const Patchwork& patchwork) {
     const TriangleMesh mesh = mesh_of(patchwork);
-    return measure(mesh, build_dual_graph(mesh), cell_labels(patchwork), patchwork.submesh_count());
+    return measure(
+        mesh, build_dual_graph(mesh), cell_labels(patchwork), patchwork.submesh_count(), 1);
 }
 
 } // namespace spheroseg::test

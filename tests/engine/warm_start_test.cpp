@@ -87,7 +87,7 @@ TEST(WarmStart, SoundSubmeshesByHand) {
         for (int g = 0; g < f; ++g) {
             std::vector<int> labels(face_count, 0);
             labels[f] = labels[g] = 1;
-            const Measures measures = measure(levels.mesh, levels.graph, labels, 2);
+            const Measures measures = measure(levels.mesh, levels.graph, labels, 2, 1);
             const std::vector<std::uint8_t> result = sound(labels);
             EXPECT_EQ(result[0] && result[1],
                       measures.bowtie_count == 0 && measures.disconnected_submesh_count == 0);
@@ -111,7 +111,7 @@ TEST(WarmStart, SoundAgreesWithTheMeasuresOnRandomLabels) {
                 const int g = levels.graph.neighbors[f][random.below(3)];
                 labels[f] = g >= 0 && labels[g] == 1 ? 1 : labels[f];
             }
-            const Measures measures = measure(levels.mesh, levels.graph, labels, 2);
+            const Measures measures = measure(levels.mesh, levels.graph, labels, 2, 1);
             levels.multilevel.set_labels(patchwork, labels);
             const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
             EXPECT_EQ(sound[0] && sound[1], is_sound(measures));

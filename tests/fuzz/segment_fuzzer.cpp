@@ -219,7 +219,7 @@ void run_measures(const PreparedMesh& prepared, const Surface& surface, const Fu
         labels.back() = one.label_seed % 32 == 0 ? submesh_count : -1;
     }
     const Measures measures =
-        measure(prepared.mesh(), prepared.dual_graph(), labels, submesh_count);
+        measure(prepared.mesh(), prepared.dual_graph(), labels, submesh_count, 1);
     if (surface.is_clean()) {
         check_measures(measures, surface.recount(labels, submesh_count), one);
     }

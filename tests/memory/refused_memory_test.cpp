@@ -112,13 +112,13 @@ TEST(RefusedMemory, OfMeasuresThrows) {
     const DualGraph graph = build_dual_graph(mesh, 2);
     std::vector<int> labels(mesh.faces.size(), 0);
     labels[5] = 3;
-    const int disk_count = measure(mesh, graph, labels, 4).disk_count;
+    const int disk_count = measure(mesh, graph, labels, 4, 2).disk_count;
     refuse_each_allocation([&](long long number) {
         refuse_allocation(number);
         int measured = 0;
         try {
             inspect(mesh, graph);
-            measured = measure(mesh, graph, labels, 4).disk_count;
+            measured = measure(mesh, graph, labels, 4, 2).disk_count;
         } catch (const std::bad_alloc&) {
             stop_refusing();
             return true;

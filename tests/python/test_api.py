@@ -410,6 +410,47 @@ def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, cod
     assert done.returncode == code
 
 
+FORK_AFTER_THREADS = """
+import os, signal, sys
+import numpy, spheroseg
+from shapes import bumpy_sphere
+
+vertices, faces = bumpy_sphere(5, 0)  # 20,480 triangles: enough for two threads everywhere
+sphere = vertices, faces
+count = len(vertices)
+pair = numpy.concatenate([vertices, vertices + 3]), numpy.concatenate([faces, faces + count])
+FEW = {"max_cohesion_iterations": 1, "max_refinement_iterations": 1}
+
+def call(thread_count):
+    def segment(arrays, k=20, **options):
+        return spheroseg.segment(*arrays, k, thread_count=thread_count, **options).labels
+    labels = segment(sphere)
+    segment(sphere, 50, effort="high", max_refinement_iterations=20)
+    segment(sphere, method="all_pairs", **FEW)
+    segment(sphere, initial_labels=labels)
+    segment(sphere, initial_labels=labels, balance="weight")
+    segment(pair, initial_labels=segment(pair))
+
+call(2)
+child = os.fork()
+if child == 0:
+    signal.alarm(60)
+    call(1)
+    os._exit(0)
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
+def test_one_thread_is_one_thread_with_all_options_as_a_fork_shows():
+    # OpenMP waits for ever in a forked process as soon as it is asked for a second thread.
+    paths = os.pathsep.join([str(REPOSITORY / "python"), str(REPOSITORY / "tests" / "python")])
+    done = subprocess.run(
+        [sys.executable, "-c", FORK_AFTER_THREADS],
+        env={**os.environ, "PYTHONPATH": paths},
+    )
+    assert done.returncode == 0
+
+
 def test_a_fork_waits_for_the_filter_of_another_thread(cube):
     with futures.ThreadPoolExecutor(1) as pool:
         other = pool.submit(spheroseg.segment, *bumpy_sphere(5, 0), 200, effort="high")
