@@ -6,6 +6,7 @@
 #include "help.h"
 #include "interrupt.h"
 #include "mesh_adapter.h"
+#include "new_layers.h"
 #include "parameters.h"
 
 using namespace spheroseg;
@@ -54,16 +55,17 @@ MeshModel& still_the_same(MeshDocument& document,
     return *model;
 }
 
-void add_sphere_layer(MeshDocument& document,
+void add_sphere_layer(NewLayers& layers,
                       MeshModel& model,
                       const HostMesh& host,
                       const std::vector<Vec3>& positions) {
     // Not addNewMesh(mesh, ...): it would also switch on the unset vertex colours, and MeshLab
     // would show these instead of the face colours.
-    MeshModel* layer = document.addNewMesh("", layer_name(model) + " (sphere)", false);
-    layer->cm = model.cm;
-    layer->updateDataMask(&model);
-    move_vertices(layer->cm, host, positions);
+    MeshModel& layer = layers.add(layer_name(model) + " (sphere)");
+    layer.cm = model.cm;
+    layer.updateDataMask(&model);
+    write_sphere_positions(layer.cm, host, positions);
+    move_vertices(layer.cm, host, positions);
 }
 
 } // namespace
@@ -197,7 +199,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     const bool colorize = parameters.getBool("colorize");
     const int mesh_id = document.mm()->id();
     HostMesh host = read_mesh(document.mm()->cm);
-    if (parameters.getEnum("initial_labels") == 1) {
+    if (starts_from_face_quality(parameters)) {
         options.initial_labels = read_labels(document.mm()->cm, host);
     }
     const std::string weight_attribute = parameters.getString("weight_attribute").toStdString();
@@ -224,14 +226,14 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     }
 
     MeshModel& model = still_the_same(document, mesh_id, host, prepared);
-    model.updateDataMask(MeshModel::MM_FACEQUALITY);
+    const int written =
+        MeshModel::MM_FACEQUALITY | (colorize ? MeshModel::MM_FACECOLOR : MeshModel::MM_NONE);
+    model.updateDataMask(written); // before anything is written, as it takes memory
     write_labels(model.cm, host, segmentation.labels);
-    post_condition_mask = MeshModel::MM_FACEQUALITY;
     if (colorize) {
-        model.updateDataMask(MeshModel::MM_FACECOLOR);
         write_face_colors(model.cm, host, segmentation.labels, colors);
-        post_condition_mask |= MeshModel::MM_FACECOLOR;
     }
+    post_condition_mask = written;
     log(GLLogStream::FILTER, summary(segmentation));
     const std::string missing = shortcomings(segmentation);
     if (!missing.empty()) {
@@ -253,10 +255,12 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
     const ParametrizationQuality quality = measure_parametrization(prepared.mesh(), positions);
 
     MeshModel& model = still_the_same(document, mesh_id, host, prepared);
-    write_sphere_positions(model.cm, host, positions);
+    NewLayers layers(document);
     if (parameters.getBool("new_layer")) {
-        add_sphere_layer(document, model, host, positions);
+        add_sphere_layer(layers, model, host, positions);
     }
+    write_sphere_positions(model.cm, host, positions);
+    layers.keep();
     const double seconds = watch.elapsed_seconds();
     log("%i vertices on the sphere; %i flipped triangles, mean area distortion %.3g; %.3g s",
         static_cast<int>(positions.size()),

@@ -2,6 +2,7 @@
 #include "generate_layers.h"
 
 #include "errors.h"
+#include "new_layers.h"
 
 #include <vcg/complex/algorithms/update/bounding.h>
 #include <vcg/complex/algorithms/update/selection.h>
@@ -9,6 +10,7 @@
 #include <QFileInfo>
 
 #include <algorithm>
+#include <numeric>
 
 namespace spheroseg {
 
@@ -154,11 +156,12 @@ void require_vertices(const HostMesh& host) {
     }
 }
 
-std::vector<std::vector<int>> faces_by_label(const std::vector<int>& labels) {
-    std::vector<std::vector<int>> faces(*std::max_element(labels.begin(), labels.end()) + 1);
-    for (std::size_t face = 0; face < labels.size(); ++face) {
-        faces[labels[face]].push_back(static_cast<int>(face));
-    }
+/// All faces, those of equal labels one after the other in the order of the mesh.
+std::vector<int> faces_by_label(const std::vector<int>& labels) {
+    std::vector<int> faces(labels.size());
+    std::iota(faces.begin(), faces.end(), 0);
+    std::stable_sort(
+        faces.begin(), faces.end(), [&](int a, int b) { return labels[a] < labels[b]; });
     return faces;
 }
 
@@ -169,29 +172,22 @@ int generate_submesh_layers(MeshDocument& document,
                             const HostMesh& host,
                             const std::vector<int>& labels) {
     require_vertices(host);
-    std::vector<std::vector<int>> faces = faces_by_label(labels);
+    const std::vector<int> faces = faces_by_label(labels);
     PartCollector collector(host);
-    std::vector<int> made;
-    try {
-        for (std::size_t label = 0; label < faces.size(); ++label) {
-            if (faces[label].empty()) {
-                continue;
-            }
-            const Part part = collector.collect(std::move(faces[label]));
-            const QString name = layer_name(source) + " " + QString::number(label);
-            MeshModel* layer = document.addNewMesh(QString(), name, false);
-            made.push_back(layer->id());
-            layer->updateDataMask(source.dataMask() & ~kNotCopied);
-            fill_layer(source.cm, host, collector, part, layer->cm);
-            collector.forget(part);
-        }
-    } catch (...) {
-        for (int id : made) {
-            document.delMesh(id);
-        }
-        throw;
+    NewLayers layers(document);
+    for (auto begin = faces.begin(); begin != faces.end();) {
+        const int label = labels[*begin];
+        const auto end =
+            std::find_if(begin, faces.end(), [&](int face) { return labels[face] != label; });
+        const Part part = collector.collect({begin, end});
+        MeshModel& layer = layers.add(layer_name(source) + " " + QString::number(label));
+        layer.updateDataMask(source.dataMask() & ~kNotCopied);
+        fill_layer(source.cm, host, collector, part, layer.cm);
+        collector.forget(part);
+        begin = end;
     }
-    return static_cast<int>(made.size());
+    layers.keep();
+    return layers.count();
 }
 
 } // namespace spheroseg

@@ -21,7 +21,7 @@ QString layer_name(const MeshModel& source);
 /// vertices with all attributes, texture names and the transformation of `source`, normals
 /// included. `labels` has one entry per face of `host`, which was read from `source`. `source`
 /// stays the current mesh and is not changed. Returns the number of layers. When memory runs out
-/// the layers made so far are removed again. O(F + V + k). Throws InvalidInput when a face uses a
+/// the layers made so far are removed again. O(F log F + V). Throws InvalidInput when a face uses a
 /// deleted vertex.
 int generate_submesh_layers(MeshDocument& document,
                             const MeshModel& source,

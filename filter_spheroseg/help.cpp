@@ -35,7 +35,7 @@ const char* const kSegmentationHelp =
     "minus 1, as face quality, and face colours by which neighbouring sub-meshes can be told "
     "apart; measures are in the log.<br>"
     "<small><b>Returns</b> to PyMeshLab the counts, the measures of "
-    "<i>get_segmentation_measures</i>, <i>component_count</i>, "
+    "<i>get_segmentation_measures</i> but <i>submesh_triangles</i>, <i>component_count</i>, "
     "<i>best_max_triangle_count_difference</i>, <i>weight_imbalance</i>, <i>time_limit_hit</i>, "
     "<i>used_cuda</i>, the times, and for each iteration the boundary edges, seconds and "
     "energy.</small><br>" SPHEROSEG_CITATION;
@@ -46,8 +46,9 @@ const char* const kParametrizationHelp =
     "reverse order, each where the shape of the triangles around it suffers "
     "least.<br>" SPHEROSEG_PRECONDITION
     "<b>Writes</b> the place of each vertex on the sphere as per-vertex custom point attribute "
-    "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation uses it, "
-    "so that another number of sub-meshes costs no new map. With <i>new_layer</i> a copy of the "
+    "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation takes "
+    "it where it needs a map: <i>all_pairs</i>, and <i>fast</i> with effort <i>high</i> from 50 "
+    "sub-meshes on. With <i>new_layer</i> a copy of the "
     "mesh with its vertices at these places is added.<br>"
     "<b>Returns</b> <i>flipped_triangle_count</i>, <i>min_triangle_area</i> (on the sphere), "
     "<i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the sphere over share of "

@@ -146,6 +146,10 @@ SegmentOptions segment_options(const RichParameterList& parameters) {
     return options;
 }
 
+bool starts_from_face_quality(const RichParameterList& parameters) {
+    return kInitialLabels.at(parameters.getEnum("initial_labels")) == "face_quality";
+}
+
 RichParameterList parametrization_parameters() {
     RichParameterList parameters;
     parameters.addParam(RichBool("new_layer",

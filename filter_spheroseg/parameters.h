@@ -14,6 +14,9 @@ RichParameterList segmentation_parameters(int face_count);
 /// engine's `validate` checks the rest against the mesh.
 SegmentOptions segment_options(const RichParameterList& parameters);
 
+/// Are `initial_labels` to be read from the face quality?
+bool starts_from_face_quality(const RichParameterList& parameters);
+
 RichParameterList parametrization_parameters();
 
 } // namespace spheroseg

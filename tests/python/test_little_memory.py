@@ -1,58 +1,106 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Memory that the system refuses: an error that helps, and the next call works."""
+"""Memory that the system refuses: a helpful error, the mesh as it was, and the next call works."""
 
 import json
 import os
 import subprocess
 import sys
 
+import pytest
 from mesh_paths import REPOSITORY
+
+from spheroseg.api import PARAMETRIZE_FILTER, SEGMENT_FILTER
 
 # One thread: where the system refuses a thread its stack, OpenMP ends the process.
 SCRIPT = """
-import collections, json, resource
-import numpy as np
+import json, resource, sys
 import pymeshlab
 from shapes import subdivided_sphere
 from spheroseg import api
 from spheroseg.errors import InputError
 
+name, options = json.loads(sys.argv[1])
 hard = resource.getrlimit(resource.RLIMIT_AS)[1]
 
-def labels_within(extra_bytes, vertices, faces):
-    mesh_set = pymeshlab.MeshSet()
-    mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces))
+def run(mesh_set):
+    api.run_filter(mesh_set, name, **options)
+
+def run_within(extra_bytes, mesh_set):
     used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + extra_bytes, hard))
     try:
-        options = {"submesh_count": 50, "effort": "draft", "thread_count": 1}
-        api.run_filter(mesh_set, api.SEGMENT_FILTER, **options)
+        run(mesh_set)
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
-    return mesh_set.current_mesh().face_scalar_array()
 
-labels_within(2**30, *subdivided_sphere(2))
-vertices, faces = subdivided_sphere(6)
-results = []
-messages = []
-for step in range(1, 20):
+def written(mesh_set):
+    mesh = mesh_set.mesh(0)
+    return {
+        "layers": mesh_set.mesh_number(),
+        "current": mesh_set.current_mesh_id(),
+        "labels": mesh.face_scalar_array().tolist() if mesh.has_face_scalar() else None,
+        "colors": mesh.face_color_matrix().tolist() if mesh.has_face_color() else None,
+        "sphere": sphere(mesh),
+    }
+
+def sphere(mesh):
     try:
-        # Another mesh each time: what was prepared for the last one is kept.
-        results.append(labels_within(2**16 * 2**(step // 2), step * vertices, faces))
+        return mesh.vertex_custom_point_attribute_matrix("sphere_position").tolist()
+    except pymeshlab.PyMeshLabException:
+        return None
+
+def mesh_set_of(vertices, faces):
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces))
+    return mesh_set
+
+run(mesh_set_of(*subdivided_sphere(2)))
+vertices, faces = subdivided_sphere(6)
+whole = mesh_set_of(vertices, faces)
+before = written(whole)
+run(whole)
+after = written(whole)
+assert after != before
+done, messages = 0, []
+extra = 2**16
+while extra < 2**27:
+    # Another mesh each time: what was prepared for the last one is kept.
+    mesh_set = mesh_set_of(vertices * 2.0 ** (len(messages) + 1), faces)
+    try:
+        run_within(extra, mesh_set)
+        assert written(mesh_set) == after
+        done += 1
+        extra *= 2
     except InputError as error:
         messages.append(str(error))
-assert all(np.array_equal(labels, results[0]) for labels in results)
-print(json.dumps({"done": len(results), "messages": messages}))
+        assert written(mesh_set) == before
+        run(mesh_set)  # nothing is broken
+        assert written(mesh_set) == after
+        extra = extra * 5 // 4
+print(json.dumps({"done": done, "messages": messages}))
 """
 
 
-def test_refused_memory_is_an_error_that_says_what_to_do():
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        (SEGMENT_FILTER, {"submesh_count": 50, "effort": "draft", "thread_count": 1}),
+        (PARAMETRIZE_FILTER, {"new_layer": True}),
+    ],
+    ids=["segmentation", "parametrization"],
+)
+def test_refused_memory_is_an_error_that_says_what_to_do_and_changes_nothing(name, options):
     folders = [str(REPOSITORY / folder) for folder in ("python", "tests/python")]
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT],
+        [sys.executable, "-c", SCRIPT, json.dumps([name, options])],
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(folders)},
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(folders),
+            # Blocks of memory go back to the system as soon as they are free.
+            "MALLOC_MMAP_THRESHOLD_": "65536",
+        },
     )
     assert done.returncode == 0, done.stderr
     outcome = json.loads(done.stdout)
