@@ -5,10 +5,11 @@ It makes room for what a header declares before it reads on, so that a header of
 ask for all memory or keep it busy for hours; and some damage ends the process.
 """
 
-import itertools
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -121,44 +122,91 @@ def _ply_bytes(element: bytes, is_text: bool) -> int:
     return sum(np.dtype(PLY_TYPES[name]).itemsize for name in types)
 
 
-def _check_off(path: Path, head: bytes, size: int) -> int | None:
-    bare = re.sub(rb"#[^\n]*", b"", head)
-    found = re.match(rb"\s*[A-Z]*OFF\s+([-+]?\d+)\s+([-+]?\d+)", bare)
-    if not found:
-        return None
-    for text, name, least in ((found[1], "vertices", 6), (found[2], "faces", 4)):
-        count = int(text)
-        if count < 0:
-            raise InputError(f"{path}: the header declares {count} {name}; the file is damaged")
-        _require(path, size, count, name, least)
-    if b"BINARY" in head:
-        return None
-    return _triangle_count(_off_corner_counts(path, int(found[1]), int(found[2])))
-
-
-def _off_corner_counts(path: Path, vertex_count: int, face_count: int) -> list[int]:
-    """PyMeshLab follows an index beyond the vertices, and mixes up faces of more corners."""
-    corner_counts = []
+def _check_off(path: Path, _: bytes, size: int) -> int | None:
+    """Follows PyMeshLab, which takes the numbers of vertices one after the other, but faces line by
+    line, and follows an index beyond the vertices."""
     with path.open("rb") as file:
-        lines = (words for line in file if (words := line.partition(b"#")[0].split()))
-        header = next(lines)
-        if len(header) < 3:
-            next(lines)
-        for words in itertools.islice(lines, vertex_count, vertex_count + face_count):
-            corner_count = int(words[0]) if words[0].isdigit() else 0
-            if corner_count > _OFF_CORNERS:
+        lines = _off_lines(path, file)
+        try:
+            keyword, *counts = next(lines)
+            counts = counts or next(lines)
+            if b"OFF" not in keyword or len(counts) < 3:
+                return None  # PyMeshLab says what is wrong
+            vertex_count = _off_count(path, size, counts[0], "vertices", 6)
+            face_count = _off_count(path, size, counts[1], "faces", 4)
+            _skip_off_vertices(path, lines, vertex_count, keyword.rpartition(b"OFF")[0])
+            corners = [_off_corner_count(path, lines, vertex_count) for _ in range(face_count)]
+        except StopIteration:
+            raise InputError(
+                f"{path}: ends before all vertices and faces that the header declares; the file "
+                "is cut short or damaged"
+            ) from None
+    return _triangle_count(corners)
+
+
+def _off_lines(path: Path, file: BinaryIO) -> Iterator[list[bytes]]:
+    """The words of each line that PyMeshLab does not pass over."""
+    for number, line in enumerate(file, start=1):
+        if line[:1] in (b"#", b"\n", b"\r"):
+            continue
+        words = line.split()
+        if not words:
+            raise InputError(
+                f"{path}: line {number} has nothing but blanks, which PyMeshLab can not read in "
+                "off files; remove it"
+            )
+        yield words
+
+
+def _off_count(path: Path, size: int, word: bytes, name: str, least_bytes: int) -> int:
+    if not word.isdigit():
+        raise InputError(
+            f"{path}: the header declares {_shown([word])} {name}, expected a count; the file is "
+            "damaged"
+        )
+    _require(path, size, int(word), name, least_bytes)
+    return int(word)
+
+
+def _skip_off_vertices(path: Path, lines: Iterator[list[bytes]], count: int, kind: bytes) -> None:
+    """`kind`: what stands before OFF: C for colours, N for normals, ST for texture coordinates."""
+    number_count = 3 + 3 * (b"N" in kind) + 2 * (b"ST" in kind)
+    left = 0
+    for _ in range(count):
+        missing = number_count
+        while left < missing:
+            missing -= left
+            words = next(lines)
+            left = len(words)
+            if any(b"#" in word for word in words):
                 raise InputError(
-                    f"{path}: a face has {corner_count} corners, and PyMeshLab reads off files "
-                    f"with {_OFF_CORNERS} at most; write it as ply or obj"
+                    f"{path}: a vertex has a comment behind it, which PyMeshLab takes for "
+                    "numbers; remove it"
                 )
-            corner_counts.append(corner_count)
-            for word in words[1 : 1 + corner_count]:
-                if not word.isdigit() or int(word) >= vertex_count:
-                    raise InputError(
-                        f"{path}: a face names the vertex '{_shown([word])}', expected an index in "
-                        f"[0, {vertex_count}); the file is damaged"
-                    )
-    return corner_counts
+        # Colours are as many numbers as the line still has.
+        left = 0 if b"C" in kind else left - missing
+
+
+def _off_corner_count(path: Path, lines: Iterator[list[bytes]], vertex_count: int) -> int:
+    count, *words = next(lines)
+    words = words or next(lines)
+    corner_count = int(count) if count.isdigit() else 0
+    if not 2 <= corner_count <= _OFF_CORNERS:
+        raise InputError(
+            f"{path}: a face has {_shown([count])} corners, and PyMeshLab reads off files with 2 "
+            f"to {_OFF_CORNERS}; write it as ply or obj"
+        )
+    if len(words) < corner_count:
+        raise InputError(
+            f"{path}: a face of {corner_count} corners names {len(words)}; the file is damaged"
+        )
+    for word in words[:corner_count]:
+        if not word.isdigit() or int(word) >= vertex_count:
+            raise InputError(
+                f"{path}: a face names the vertex '{_shown([word])}', expected an index in [0, "
+                f"{vertex_count}); the file is damaged"
+            )
+    return corner_count
 
 
 def _check_stl(path: Path, head: bytes, size: int) -> int:

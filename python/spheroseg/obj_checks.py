@@ -18,7 +18,7 @@ from spheroseg.text_numbers import BLANK, PADDING, whole_numbers, word_begins
 
 _BLOCK_BYTES = 2**20
 _END = b"\n#" + PADDING
-_NEWLINE, _SLASH, _FACE, _QUAD, _VERTEX = b"\n/fqv"
+_NEWLINE, _SLASH, _HASH, _FACE, _QUAD, _VERTEX = b"\n/#fqv"
 
 
 @dataclass
@@ -103,6 +103,12 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
     is_face = ((first == _FACE) | (first == _QUAD)) & (second <= BLANK)
     lengths = np.diff(keywords, append=len(text))
     faces = _Faces(text[keywords[0] :][np.repeat(is_face, lengths)], lengths[is_face])
+    commented = faces.with_comment()
+    if commented is not None:
+        raise InputError(
+            f"{path}: line {_line_number(path, places[is_face][commented])}: a face has a comment "
+            "behind it, which PyMeshLab takes for a corner; remove it"
+        )
     for kind, lines, (owners, indices) in zip(kinds, defined, faces.indices(), strict=True):
         counts = kind.count + np.cumsum(lines)
         kind.count = int(counts[-1])
@@ -132,13 +138,20 @@ class _Faces:
 
     def __init__(self, text: np.ndarray, lengths: np.ndarray):
         self.text = np.concatenate((text, np.zeros(len(PADDING), dtype=np.uint8)))
-        starts = np.cumsum(lengths) - lengths
+        self.starts = starts = np.cumsum(lengths) - lengths
         self.is_quad = self.text[starts] == _QUAD
         begins = word_begins(self.text)
         begins[starts] = False
         self.corners = np.flatnonzero(begins)
         self.corner_counts = np.add.reduceat(begins, starts, dtype=np.int64)
         self.owners = np.repeat(np.arange(len(starts)), self.corner_counts)
+
+    def with_comment(self) -> int | None:
+        """The first face with a comment behind its corners."""
+        comments = np.flatnonzero(self.text == _HASH)
+        if len(comments) == 0:
+            return None
+        return int(np.searchsorted(self.starts, comments[0], side="right")) - 1
 
     def triangle_count(self) -> int:
         return int(np.maximum(self.corner_counts - 2, 1).sum())

@@ -129,8 +129,70 @@ def test_an_off_face_that_names_a_missing_vertex_is_refused(outcome, whole):
         assert_refused(outcome("off", faces[0] + b"\n" + wrong + b"\n"))
 
 
+OFF_VERTICES = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+OFF_FACES = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+OFF_TETRAHEDRON = "OFF\n4 4 6\n" + OFF_VERTICES + OFF_FACES
+COLORED = OFF_VERTICES.replace("\n", " 255 0 0\n")
+NORMAL = OFF_VERTICES.replace("\n", " 0 0 1\n")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "\ufeff" + OFF_TETRAHEDRON,
+        "# written by BINARY tools\n" + OFF_TETRAHEDRON,
+        "#" + 70_000 * "x" + "\n" + OFF_TETRAHEDRON,
+        OFF_TETRAHEDRON.replace("OFF\n", "OFF \n\r\n"),
+        OFF_TETRAHEDRON.replace("OFF\n", "OFF\t"),
+        OFF_TETRAHEDRON.replace("0 0 0\n1 0 0\n", "0\n0 0 1\n# half of it\n0 0\n"),
+        OFF_TETRAHEDRON.replace("3 0 2 1", "3\n0 2 1"),
+        OFF_TETRAHEDRON.replace("3 0 2 1", "3 0 2 1 255 0 0").replace("4 4 6", "4 4 6 # counts"),
+        OFF_TETRAHEDRON.replace(OFF_VERTICES, COLORED).replace("OFF", "COFF"),
+        OFF_TETRAHEDRON.replace(OFF_VERTICES, NORMAL).replace("OFF", "NOFF"),
+    ],
+)
+def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
+    assert outcome("off", content.encode()) == (0, "")
+    # Followed from there, the last index is beyond all memory.
+    at = content.rindex("3 1 2 3") + len("3 1 2 ")
+    result = outcome("off", (content[:at] + "900000000\n").encode())
+    assert_refused(result)
+    assert "900000000" in result[1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("1 0 0\n", "1 0 0 # a corner\n", "comment"),
+        ("3 0 3 2\n", "  \n3 0 3 2\n", "line 9 has nothing but blanks"),
+        ("3 1 2 3\n", "", "ends before all"),
+        ("3 0 3 2\n", "3 0 3\n", "a face of 3 corners names 2"),
+        ("3 0 3 2\n", "+3 0 3 2\n", "a face has +3 corners"),
+        ("4 4 6", "4 four 6", "declares four faces"),
+    ],
+)
+def test_off_files_that_pymeshlab_reads_wrongly_are_refused(outcome, old, new, complaint):
+    result = outcome("off", OFF_TETRAHEDRON.replace(old, new).encode())
+    assert_refused(result)
+    assert complaint in result[1]
+
+
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\n"
 TEXTURES = "vt 0 0\n" * 4
+
+
+@pytest.mark.parametrize("comment", [" # bottom", "# bottom", "\t#", " #1 2 3"])
+def test_a_comment_behind_an_obj_face_is_refused(outcome, comment):
+    result = outcome("obj", TETRAHEDRON.replace("f 1 4 2", "f 1 4 2" + comment).encode())
+    assert_refused(result)
+    assert "line 6: a face has a comment" in result[1]
+
+
+def test_comments_elsewhere_in_an_obj_are_none_of_its_faces(outcome):
+    content = "# f 9 9 9\n" + TETRAHEDRON.replace("v 1 0 0", "v 1 0 0 # f 9") + "f 2 4 3\n#end"
+    assert outcome("obj", content.encode()) == (0, "")
+
+
 NORMALS = "vn 0 0 1\n" * 4
 
 
@@ -143,7 +205,6 @@ NORMALS = "vn 0 0 1\n" * 4
         ("f 2 4 -5\n", "the vertex -5"),
         ("f 2 4 99999999999999999999\n", "the vertex 99999"),
         ("f 2 4 \\\n  -2147483648\n", "the vertex -2147483648"),
-        ("f 2 4 3 # a face\n", "the vertex 0"),
         ("q 0 1 2 4\n", "the vertex 5"),
         (TEXTURES + "f 2/1 4/2 3/5\n", "the texture coordinate 5"),
         (TEXTURES + "f 2/1 4/2 3/0\n", "the texture coordinate 0"),
