@@ -250,32 +250,32 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
     Refinement refinement(dual_graph, labels);
     const std::unique_ptr<SwapRounds> device =
         limits.device != nullptr ? limits.device->begin_refinement(dual_graph, labels) : nullptr;
-    double least_boundary = count_boundary_edges(dual_graph, labels);
-    std::vector<int> best_labels = labels;
+    double boundary = count_boundary_edges(dual_graph, labels);
     for (bool converged = false; !converged && !history.time_limit_hit;) {
         if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
             break;
         }
         const StopWatch watch;
+        const std::vector<int> before = labels;
         bool complete = true;
         const long long swap_count =
             play_iteration(refinement, device.get(), limits, history.count(), progress, complete);
         if (device) {
             device->read_labels(labels);
         }
-        const double boundary = count_boundary_edges(dual_graph, labels);
+        const double now = count_boundary_edges(dual_graph, labels);
+        converged = now >= boundary;
+        if (converged) {
+            labels = before;
+        } else {
+            boundary = now;
+        }
         history.boundary_edges.push_back(boundary);
         history.swaps.push_back(static_cast<double>(swap_count));
         history.energy.push_back(refinement_energy(dual_graph, labels));
         history.seconds.push_back(watch.elapsed_seconds());
         history.time_limit_hit = !complete;
-        converged = boundary >= least_boundary;
-        if (boundary < least_boundary) {
-            least_boundary = boundary;
-            best_labels = labels;
-        }
     }
-    labels = best_labels;
     return history;
 }
 

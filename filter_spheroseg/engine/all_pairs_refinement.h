@@ -15,7 +15,7 @@ double refinement_energy(const DualGraph& dual_graph, const std::vector<int>& la
 /// inside a sub-mesh take no part: they have no boundary to refine, and where Eq. 1 alone would let
 /// them swap it would make them islands. Eq. 1 looks at the two faces, not at the whole, so swaps
 /// may undo each other: ends, as in the paper, after the first iteration that does not lower the
-/// number of boundary edges, and keeps the labels that had the fewest.
+/// number of boundary edges, and takes that one back.
 ///
 /// A pair is decided on the labels at the start of its round. It yields, until the next iteration,
 /// to a pair of an earlier slot that decided to swap a face within two steps of one of its own:

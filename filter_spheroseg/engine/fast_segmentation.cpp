@@ -221,10 +221,6 @@ private:
         result_.is_valid = cost.is_valid();
         result_.labels = multilevel_->labels(patchwork);
         result_.history = history_;
-        if (history_.count() > 0) {
-            // With what was done to balance it.
-            result_.history.boundary_edges.back() = static_cast<double>(cost.boundary_edges);
-        }
         return cost.is_valid();
     }
 

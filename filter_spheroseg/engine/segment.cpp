@@ -310,6 +310,11 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
                               submesh_count,
                               options.thread_count,
                               mesh.report().fans_per_vertex());
+    if (options.method == Method::fast && !result.boundary_edges_by_iteration.empty()) {
+        // With what was done to balance it, or of the initial labels where these stay.
+        result.boundary_edges_by_iteration.back() = result.measures.boundary_edge_count;
+        result.energy_by_iteration.back() = result.measures.boundary_edge_count;
+    }
     result.balance = options.balance;
     result.weight_imbalance = options.balance == Balance::weight
         ? weight_imbalance(weights_of(options, mesh.mesh()), result.labels, submesh_count)

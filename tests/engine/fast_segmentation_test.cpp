@@ -273,7 +273,7 @@ TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
             static_cast<std::size_t>(result.cohesion_iterations + result.refinement_iterations);
         ASSERT_EQ(result.seconds_by_iteration.size(), count);
         ASSERT_EQ(result.boundary_edges_by_iteration.size(), count);
-        EXPECT_EQ(result.energy_by_iteration.size(), count);
+        EXPECT_EQ(result.energy_by_iteration, result.boundary_edges_by_iteration);
         EXPECT_EQ(result.boundary_edges_by_iteration.back(), result.measures.boundary_edge_count);
     };
     // `high` makes a second start, of 50 sub-meshes on the sphere.
@@ -299,6 +299,18 @@ TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
         const Segmentation cut = segment(prepared, by_weight);
         expect_history(cut);
         EXPECT_LE(cut.refinement_iterations, limit);
+    }
+    // Labels that `draft` can not better are kept.
+    for (Balance balance : {Balance::triangle_count, Balance::weight}) {
+        SegmentOptions options = fast_options(150, Effort::high);
+        options.balance = balance;
+        const std::vector<int> labels = segment(prepared, options).labels;
+        options.effort = Effort::draft;
+        options.submesh_count = 0;
+        options.initial_labels = labels;
+        const Segmentation kept = segment(prepared, options);
+        expect_history(kept);
+        EXPECT_EQ(kept.labels, labels);
     }
 }
 
