@@ -176,14 +176,18 @@ def test_rejects_impossible_part_count(name, k):
         ("metis_tight", False, {"contig": 1, "ufactor": 1}),
     ],
 )
-def test_metis_equals_a_direct_call(name, recursive, options):
+@pytest.mark.parametrize("seed", [0, 1, 5])
+def test_metis_equals_a_direct_call(name, recursive, options, seed):
     pymetis = pytest.importorskip("pymetis")
     vertices, faces = bumpy_sphere(4, 2)
     neighbours = build_dual_graph(faces).neighbours
     direct = pymetis.part_graph(
-        40, neighbours.tolist(), recursive=recursive, options=pymetis.Options(seed=5, **options)
+        40,
+        neighbours.tolist(),
+        recursive=recursive,
+        options=pymetis.Options(**options, **({"seed": seed} if seed else {})),
     )
-    labels = load(name)(vertices, faces, 40, 5)
+    labels = load(name)(vertices, faces, 40, seed)
     assert labels.tolist() == list(direct.vertex_part)
     cut = sum(labels[face] != labels[other] for face, row in enumerate(neighbours) for other in row)
     assert cut == 2 * direct.edge_cuts

@@ -136,7 +136,7 @@ def test_metis_rows_equal_a_direct_call(evaluation):
             row["submesh_count"],
             neighbours.tolist(),
             recursive=False,
-            options=pymetis.Options(contig=1, seed=0),
+            options=pymetis.Options(contig=1),
         )
         assert row["boundary_edge_count"] == direct.edge_cuts
 

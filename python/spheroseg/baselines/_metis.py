@@ -14,7 +14,8 @@ from spheroseg.errors import InputError
 def partition(
     faces: np.ndarray, k: int, seed: int, graph: DualGraph | None, *, recursive: bool, **options
 ) -> np.ndarray:
-    """Labels by METIS; `options` are METIS options by their lower-case names.
+    """Labels by METIS; `options` are METIS options by their lower-case names. Seed 0 is its own
+    default: METIS would take 0 for 1.
 
     Raises InputError when contiguous parts are asked for on more than one component.
     """
@@ -26,11 +27,13 @@ def partition(
     # empty; neither is a question of quality.
     if k == 1:
         return np.zeros(graph.face_count, dtype=np.int32)
+    if seed != 0:
+        options["seed"] = seed
     result = pymetis.part_graph(
         k,
         pymetis.CSRAdjacency(graph.starts, graph.adjacent),
         recursive=recursive,
-        options=pymetis.Options(seed=seed, **options),
+        options=pymetis.Options(**options),
     )
     return as_labels(result.vertex_part)
 
