@@ -67,6 +67,14 @@ int FastPlan::trials() const {
     return trial_count(schedules_.budget, first_face_count_);
 }
 
+int FastPlan::most_phases() const {
+    // Two levels on there are less than kLeastShare of the cells; and the finest level may be
+    // annealed twice, before the exchanges.
+    const double levels = 2.0 * std::log(face_count_) / -std::log(MeshLevels::kLeastShare) + 2.0;
+    const Budget& budget = schedules_.budget;
+    return budget.first_phases + static_cast<int>(levels + 2.0) * budget.level_phases;
+}
+
 StartCost FastPlan::cost_of_start(int trials) const {
     const double faces = face_count_;
     const double edges = hexagonal_edges(faces, submesh_count_);

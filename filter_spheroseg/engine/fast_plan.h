@@ -45,6 +45,8 @@ public:
     int relaxations() const;
     /// How many starts are worth their time where the layout decides, at least 1.
     int trials() const;
+    /// More than all annealings of a start have phases.
+    int most_phases() const;
     /// Of a start that is the best of so many, or a single one.
     StartCost cost_of_start(int trials) const;
 

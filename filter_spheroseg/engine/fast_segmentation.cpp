@@ -287,11 +287,14 @@ private:
         }
     }
 
-    /// With few sub-meshes the layout decides, and another one costs little.
+    /// With few sub-meshes the layout decides, and another one costs little. Trials are made whole:
+    /// none where a limit of iterations could end one.
     int trials() const {
-        const bool limited = options_.max_cohesion_iterations > 0 ||
-            options_.max_refinement_iterations > 0 || !task_.initial_labels.empty();
-        return limited ? 1 : plan_.trials();
+        const auto may_end = [](int limit, int most) { return limit > 0 && limit < most; };
+        const bool is_single = !task_.initial_labels.empty() ||
+            may_end(options_.max_cohesion_iterations, plan_.schedules().budget.relaxations) ||
+            may_end(options_.max_refinement_iterations, plan_.most_phases());
+        return is_single ? 1 : plan_.trials();
     }
 
     /// The control on levels that take a part of the time of all of them.

@@ -292,6 +292,16 @@ TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
             EXPECT_TRUE(cut.measures.is_valid());
         }
     }
+    // Limits that are never reached change nothing, also where there are several trials.
+    for (int k : {10, 150}) {
+        for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+            SegmentOptions options = fast_options(k, effort);
+            const std::vector<int> labels = segment(prepared, options).labels;
+            options.max_cohesion_iterations = 10000;
+            options.max_refinement_iterations = 10000;
+            EXPECT_EQ(segment(prepared, options).labels, labels) << k;
+        }
+    }
     SegmentOptions by_weight = fast_options(150, Effort::draft);
     by_weight.balance = Balance::weight;
     for (int limit : {1, 13, 30, 60}) {
