@@ -20,7 +20,7 @@ FORMATS = (".npz", ".glb")
 
 def export(submeshes: SubMeshes, path: Path, face_colours: np.ndarray | None = None) -> None:
     """Writes `path` atomically in the format that its suffix names, `.npz` or `.glb`, the latter
-    with the colours of `glb_bytes`."""
+    with the colours of `glb_bytes`. Raises InputError where a coordinate is too large for it."""
     path = Path(path)
     if path.suffix.lower() == ".npz":
         atomic.write_bytes(path, npz_bytes(submeshes))
@@ -37,6 +37,7 @@ def gltf_library() -> ModuleType:
 
 def npz_bytes(submeshes: SubMeshes) -> bytes:
     """The arrays of `SubMeshes` under their own names, for `numpy.load`."""
+    _check_positions(submeshes)
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **submeshes.arrays())
     return buffer.getvalue()
@@ -51,6 +52,7 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
     sub-mesh has no primitive, as glTF allows no empty accessor. Corners that share a vertex share
     its normal within a sub-mesh only.
     """
+    _check_positions(submeshes)
     gltf = gltf_library()
     blob = _Blob(gltf)
     colours, materials = np.unique(
@@ -87,6 +89,15 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
     )
     document.set_binary_blob(bytes(blob.data))
     return b"".join(document.save_to_bytes())
+
+
+def _check_positions(submeshes: SubMeshes) -> None:
+    is_beyond = ~np.isfinite(submeshes.positions).all(axis=1)
+    if is_beyond.any():
+        raise InputError(
+            f"vertex {submeshes.source_vertices[is_beyond.argmax()]} has a coordinate beyond "
+            f"{np.finfo(np.float32).max:.3g}, too large for single precision; scale the mesh down"
+        )
 
 
 def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from spheroseg import atomic
 from spheroseg.errors import InputError, PluginError
 
 PLUGIN_FILE = "libfilter_spheroseg.so"
@@ -127,10 +128,10 @@ def install_plugin(
         target = Path(directory)
         if not target.is_dir():
             raise InputError(f"{target} is no folder; expected a plugin folder of MeshLab")
-    # Copied beside and renamed: a running MeshLab keeps the file that it has loaded.
-    scratch = target / f".{PLUGIN_FILE}.new"
-    shutil.copy2(source, scratch)
-    return scratch.rename(target / PLUGIN_FILE)
+    # A new file in the place of the old one: a running MeshLab keeps the one that it has loaded.
+    with atomic.atomic_path(target / PLUGIN_FILE) as temporary:
+        shutil.copy2(source, temporary)
+    return target / PLUGIN_FILE
 
 
 def _find_host(directory: str | os.PathLike | None, meshlab: str | os.PathLike | None):

@@ -24,7 +24,8 @@ def ply_bytes(
     (F, 3), indices in [0, V). A property is an array with one entry per vertex or face.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
-    single = vertices.astype(np.float32)
+    with np.errstate(over="ignore"):
+        single = vertices.astype(np.float32)
     position = single if np.array_equal(single, vertices) else vertices
     vertex_columns = {axis: position[:, i] for i, axis in enumerate("xyz")}
     vertex_columns |= vertex_properties or {}

@@ -28,7 +28,7 @@ class SubMeshes:
     vertex_starts: np.ndarray
     #: Global vertex index of each local vertex, rising within a block.
     source_vertices: np.ndarray
-    #: (n, 3) float32 position of each local vertex.
+    #: (n, 3) float32 position of each local vertex; infinite where that type has no such number.
     positions: np.ndarray
     #: bool per local vertex: another sub-mesh has this vertex too.
     on_boundary: np.ndarray
@@ -88,12 +88,14 @@ def split_into_submeshes(
     owner, source_vertices = np.divmod(unique, vertex_count)
     vertex_starts = _starts(owner, submesh_count)
     local = local.reshape(-1, 3) - vertex_starts[labels][:, None]
+    with np.errstate(over="ignore"):
+        positions = vertices[source_vertices].astype(np.float32)
     short = np.diff(vertex_starts).max() <= MAX_SHORT_VERTICES
     neighbour_starts, neighbours, shared_edges = _adjacency(faces, labels, submesh_count)
     return SubMeshes(
         vertex_starts=vertex_starts,
         source_vertices=source_vertices.astype(np.int32),
-        positions=vertices[source_vertices].astype(np.float32),
+        positions=positions,
         on_boundary=np.bincount(source_vertices, minlength=vertex_count)[source_vertices] > 1,
         triangle_starts=triangle_starts,
         source_triangles=source_triangles,

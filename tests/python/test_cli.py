@@ -301,7 +301,7 @@ BAD_CALLS = {
     "empty input": (["batch", CUBE, "", "-o", "out"], "inputs is empty"),
     "weight unused": (["segment", CUBE, "--weight-attribute", "w"], "'w' needs balance='weight'"),
     "no file": (["segment", "none.ply"], "none.ply: no such file"),
-    "folder": (["segment", "."], "no such file"),
+    "folder": (["segment", "."], ".: is a folder"),
     "garbage": (["segment", "garbage.ply"], "can not read it"),
     "NaN": (["segment", "nan.obj"], "not finite (NaN)"),
     "corner twice": (

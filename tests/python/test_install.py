@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Installing the plugin for the MeshLab application, with stand-ins for plugin and program."""
 
+import errno
+
 import pytest
 
 from spheroseg import InputError, PluginError, cli, install
@@ -45,6 +47,21 @@ def test_copies_the_plugin_into_the_users_folder_of_the_meshlab_on_the_path(tmp_
     make_meshlab(tmp_path / "bin", "MeshLab 2025.07")
     copy = install.install_plugin(plugin=plugin)
     assert copy == user_folder(tmp_path) / "libfilter_spheroseg.so"
+    assert copy.read_bytes() == plugin.read_bytes()
+
+
+def test_a_copy_that_fails_leaves_the_plugin_that_was_there(tmp_path, monkeypatch):
+    def fill_the_disk(_, target):
+        target.write_bytes(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device", str(target))
+
+    make_meshlab(tmp_path / "bin", "MeshLab 2025.07")
+    plugin = make_plugin(tmp_path / "build")
+    copy = install.install_plugin(plugin=plugin)
+    monkeypatch.setattr(install.shutil, "copy2", fill_the_disk)
+    with pytest.raises(OSError, match="no room left"):
+        install.install_plugin(plugin=plugin)
+    assert list(copy.parent.iterdir()) == [copy]
     assert copy.read_bytes() == plugin.read_bytes()
 
 

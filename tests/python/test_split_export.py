@@ -267,6 +267,21 @@ def test_export_refuses_another_suffix(labelled, tmp_path):
         export(split_into_submeshes(*labelled), tmp_path / "out.stl")
 
 
+@pytest.mark.parametrize("name", ["o.npz", "o.glb"])
+def test_coordinates_too_large_for_an_export_are_refused(name, tmp_path):
+    vertices, faces = octahedron()
+    vertices = vertices * 1e38
+    export(split_into_submeshes(vertices, faces, [0] * 8), tmp_path / name)
+    vertices[5] *= 10
+    large = split_into_submeshes(vertices, faces, [0] * 8)
+    with pytest.raises(InputError, match=r"vertex 5 has a coordinate beyond 3\.4e\+38"):
+        export(large, tmp_path / name)
+    manifest = write_split(large, vertices, tmp_path / "parts", "source.ply")
+    part = pymeshlab.MeshSet()
+    part.load_new_mesh(str(next(manifest.parent.glob("*.ply"))))
+    assert np.abs(part.current_mesh().vertex_matrix()).max() == 1e39
+
+
 def test_split_files_give_back_the_mesh(labelled, tmp_path):
     vertices, faces, labels = labelled
     colours = palette(7)[labels]
