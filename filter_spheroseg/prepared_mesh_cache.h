@@ -13,7 +13,7 @@ class PreparedMeshCache {
 public:
     /// The prepared form of `mesh`. Its parametrization is `sphere_positions` when these are valid
     /// for it, else one of its own: which one never depends on earlier calls.
-    /// Throws InvalidInput when a vertex index is out of range.
+    /// Throws InvalidInput when a vertex index is out of range, OutOfMemory.
     PreparedMesh&
     prepare(TriangleMesh mesh, std::optional<std::vector<Vec3>> sphere_positions, int thread_count);
 

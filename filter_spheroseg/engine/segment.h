@@ -71,19 +71,20 @@ struct Segmentation {
     double total_seconds = 0.0;
     bool time_limit_hit = false;
     bool used_cuda = false;
+    /// One entry per iteration: cohesion, then refinement. The last one is that of the result. Of
+    /// several components, as if each did its n-th iteration at the same time.
+    std::vector<double> boundary_edges_by_iteration;
+    std::vector<double> seconds_by_iteration;
+    /// `all_pairs`: sum of chord distances in cohesion, of Eq. 1 in refinement; `fast`: boundary
+    /// edges.
+    std::vector<double> energy_by_iteration;
+
     /// Nothing empty, all connected, no bowtie; unless balanced by weight, triangle counts as equal
     /// as the components allow.
     bool is_valid() const {
         return measures.is_valid(balance == Balance::weight ? measures.triangle_count
                                                             : best_max_triangle_count_difference);
     }
-    /// One entry per iteration: cohesion, then refinement.
-    /// Of several components, as if each did its n-th iteration at the same time.
-    std::vector<double> boundary_edges_by_iteration;
-    std::vector<double> seconds_by_iteration;
-    /// `all_pairs`: sum of chord distances in cohesion, of Eq. 1 in refinement; `fast`: boundary
-    /// edges.
-    std::vector<double> energy_by_iteration;
 };
 
 /// A mesh with all that does not depend on k: dual graph, report, components, parametrization,
@@ -118,12 +119,15 @@ private:
     std::optional<Parametrization> parametrization_;
 };
 
-/// k that `options` ask for on a mesh of `face_count` faces.
+/// k that `options` ask for on a mesh of `face_count` faces: by initial labels, else by
+/// `triangles_per_submesh`, else by `submesh_count`, else 200 or fewer. Not checked: may be below 1
+/// or above `face_count`.
 int requested_submesh_count(const SegmentOptions& options, int face_count);
 
-/// Throws InvalidInput or InvalidOptions; the only place that checks. `fast` takes any mesh whose
-/// edges have one or two faces each, with as many sub-meshes as components or more; `all_pairs` one
-/// closed, consistently oriented, manifold component of genus 0.
+/// The only place that checks. Throws InvalidInput or InvalidOptions, and DeviceError where `cuda`
+/// is asked for and there is no usable device. `fast` takes any mesh whose edges have one or two
+/// faces each, with as many sub-meshes as components or more; `all_pairs` one closed, consistently
+/// oriented, manifold component of genus 0.
 void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 
 /// Cuts the mesh into k sub-meshes.

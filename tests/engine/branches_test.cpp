@@ -48,7 +48,7 @@ TriangleMesh row_with_a_tail() {
 TEST(Branches, WhatHangsOnAFaceGoesWithIt) {
     const Levels levels(row_with_a_tail());
     // Faces 0 and 1 are sub-mesh 0. Face 2 is the way from 8, the tail, to the others.
-    const Patchwork patchwork = [&] { return labelled(levels, {0, 0, 1, 1, 1, 1, 1, 1, 1}, 2); }();
+    const Patchwork patchwork = labelled(levels, {0, 0, 1, 1, 1, 1, 1, 1, 1}, 2);
     Patchwork work = patchwork;
     const auto cell = [&](int face) { return cell_of(levels, patchwork, face); };
     Branches branches(work);
