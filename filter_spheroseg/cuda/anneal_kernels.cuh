@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Annealing of groups of sub-meshes, a block for each. As in swap_kernels.cuh, the tests compile
-// this source for the host too.
+// Annealing of groups of sub-meshes, a block for each. As in cohesion_kernels.cuh, the tests
+// compile this source for the host too.
 
 #include "anneal_arrays.h"
 

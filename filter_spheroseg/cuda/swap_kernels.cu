@@ -17,7 +17,8 @@ __device__ inline float rough_root(float value) {
 
 } // namespace
 
-#include "swap_kernels.cuh"
+#include "cohesion_kernels.cuh"
+#include "refinement_kernels.cuh"
 
 namespace spheroseg::cuda {
 

@@ -40,8 +40,7 @@ struct CollapseMesh {
     CollapseMesh(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count);
 
     int corner_of(int face, int vertex) const {
-        const Triangle& t = faces[face].vertices;
-        return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+        return spheroseg::corner_of(faces[face].vertices, vertex);
     }
 
     /// May the vertex be removed? One in the middle of a cap only leaves a triangle.

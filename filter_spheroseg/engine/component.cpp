@@ -94,8 +94,7 @@ void orient_alike(TriangleMesh& mesh, DualGraph& dual_graph) {
                 seen[g] = 1;
                 queue.push_back(g);
                 Triangle& face = mesh.faces[g];
-                const int from = mesh.faces[f][c];
-                const int at = face[0] == from ? 0 : face[1] == from ? 1 : 2;
+                const int at = corner_of(face, mesh.faces[f][c]);
                 if (face[(at + 1) % 3] == mesh.faces[f][(c + 1) % 3]) {
                     std::swap(face[1], face[2]);
                     std::swap(dual_graph.neighbors[g][0], dual_graph.neighbors[g][2]);

@@ -49,8 +49,7 @@ private:
     };
 
     int corner_of(int face, int vertex) const {
-        const Triangle& t = faces_[face].vertices;
-        return t[0] == vertex ? 0 : t[1] == vertex ? 1 : 2;
+        return spheroseg::corner_of(faces_[face].vertices, vertex);
     }
     int star_size(int step) const {
         return hierarchy_.star_begin[step + 1] - hierarchy_.star_begin[step];

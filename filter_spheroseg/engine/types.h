@@ -39,6 +39,11 @@ inline double length(const Vec3& a) {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<int, 3>;
 
+/// The corner, 0 to 2, of a triangle that is at one of its vertices.
+inline int corner_of(const Triangle& triangle, int vertex) {
+    return triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
+}
+
 /// Indexed triangle mesh. Vertex indices in `faces` lie in [0, positions.size()).
 /// Vertices that no face refers to are allowed and ignored.
 struct TriangleMesh {

@@ -144,8 +144,7 @@ private:
     }
 
     int corner_of(int face, int vertex) const {
-        const Triangle& f = mesh_.faces[face];
-        return 3 * face + (f[0] == vertex ? 0 : f[1] == vertex ? 1 : 2);
+        return 3 * face + spheroseg::corner_of(mesh_.faces[face], vertex);
     }
 
     /// Numbers the fans that the dual graph joins around each vertex.

@@ -49,7 +49,7 @@ private:
             }
             const int far = mesh_.faces[face][exit == corner % 3 ? (exit + 1) % 3 : exit];
             const Triangle& entered = mesh_.faces[next];
-            const int at = entered[0] == vertex ? 0 : entered[1] == vertex ? 1 : 2;
+            const int at = corner_of(entered, vertex);
             corner = 3 * next + at;
             if (visited_[corner]) {
                 return corner == start;

@@ -1,183 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "weight_balance.h"
 
-#include "random.h"
+#include "load_lowering.h"
 #include "schedules.h"
-#include "submesh_boundaries.h"
 
 #include <algorithm>
 
 namespace spheroseg {
 
 namespace {
-
-/// A face that may pass across its edge at `corner`.
-struct Passage {
-    int face;
-    int corner;
-    Move move;
-};
-
-class LoadLowering {
-public:
-    LoadLowering(Patchwork& patchwork, int limit, const Progress& progress)
-        : patchwork_(patchwork), limit_(limit), progress_(progress), boundaries_(patchwork),
-          inflow_(patchwork.submesh_count(), -1), came_by_(patchwork.submesh_count()) {
-        work_left_ = kMinWork;
-        for (int l = 0; l < patchwork.submesh_count(); ++l) {
-            work_left_ += kWorkPerFace * boundaries_.listed_count(l);
-        }
-    }
-
-    bool run() {
-        std::vector<int> heavy;
-        for (int idle_rounds = 0; idle_rounds < kMaxIdleRounds && work_left_ > 0; ++idle_rounds) {
-            const std::int64_t before = excess(heavy);
-            if (heavy.empty()) {
-                return true;
-            }
-            for (int label : heavy) {
-                report_progress(progress_, 0.0, "Balancing");
-                int tries = boundaries_.listed_count(label) + kExtraTries;
-                while (patchwork_.load[label] > limit_ && tries-- > 0 && work_left_ > 0 &&
-                       relieve(label)) {
-                }
-            }
-            if (excess(heavy) < before) {
-                idle_rounds = -1;
-            }
-        }
-        excess(heavy);
-        return heavy.empty();
-    }
-
-private:
-    static constexpr int kMaxIdleRounds = 8;
-    static constexpr int kExtraTries = 64;
-    /// Faces looked at before giving up, and more of them per boundary face.
-    static constexpr std::int64_t kMinWork = 200000;
-    static constexpr std::int64_t kWorkPerFace = 50;
-
-    /// Sum of what lies above the limit; lists the labels where something does.
-    std::int64_t excess(std::vector<int>& heavy) const {
-        heavy.clear();
-        std::int64_t sum = 0;
-        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            if (patchwork_.load[l] > limit_) {
-                sum += patchwork_.load[l] - limit_;
-                heavy.push_back(l);
-            }
-        }
-        return sum;
-    }
-
-    /// The allowed moves of single faces out of a sub-mesh, in random order.
-    void find_passages(int label) {
-        passages_.clear();
-        work_left_ -= boundaries_.listed_count(label);
-        boundaries_.for_each_side(label, [&](int face, int corner, int) {
-            Passage passage{face, corner, {}};
-            if (describe_single(patchwork_, face, corner, passage.move) &&
-                single_is_allowed(patchwork_, face, corner, passage.move)) {
-                passages_.push_back(passage);
-            }
-        });
-        if (passages_.size() > 1) {
-            std::rotate(passages_.begin(),
-                        passages_.begin() +
-                            random_.below(static_cast<std::uint32_t>(passages_.size())),
-                        passages_.end());
-        }
-    }
-
-    /// Searches, breadth first, for a chain of moves from a sub-mesh above the limit to one with
-    /// room. `inflow_[l]` is what the chain brings to l, so that l must pass on at least what does
-    /// not fit.
-    bool relieve(int start) {
-        queue_.assign(1, start);
-        inflow_[start] = 0;
-        Passage last{-1, 0, {}};
-        for (std::size_t head = 0; head < queue_.size() && last.face < 0; ++head) {
-            const int label = queue_[head];
-            const int must_pass =
-                label == start ? 1 : patchwork_.load[label] + inflow_[label] - limit_;
-            find_passages(label);
-            last = best_end(must_pass);
-            if (last.face < 0) {
-                extend(must_pass);
-            }
-        }
-        const bool moved = last.face >= 0 && carry_out(start, last);
-        for (int l : queue_) {
-            inflow_[l] = -1;
-        }
-        return moved;
-    }
-
-    /// The move after which the chain may end that costs the fewest boundary edges.
-    Passage best_end(int must_pass) const {
-        Passage best{-1, 0, {}};
-        for (const Passage& passage : passages_) {
-            const Move& move = passage.move;
-            if (inflow_[move.to] < 0 && move.weight >= must_pass &&
-                patchwork_.load[move.to] + move.weight <= limit_ &&
-                (best.face < 0 || move.boundary_change < best.move.boundary_change)) {
-                best = passage;
-            }
-        }
-        return best;
-    }
-
-    /// Lets the chain go on to every neighbour, by the lightest move that is heavy enough.
-    void extend(int must_pass) {
-        for (const Passage& passage : passages_) {
-            const Move& move = passage.move;
-            if (move.weight < must_pass) {
-                continue;
-            }
-            int& inflow = inflow_[move.to];
-            if (inflow < 0) {
-                queue_.push_back(move.to);
-            } else if (came_by_[move.to].move.from != move.from || inflow <= move.weight) {
-                continue;
-            }
-            inflow = move.weight;
-            came_by_[move.to] = passage;
-        }
-    }
-
-    /// Makes the moves of the chain, the last one first, so that no load comes above the limit
-    /// when one of them is not allowed any more.
-    bool carry_out(int start, const Passage& last) {
-        bool relieved = false;
-        for (Passage passage = last;;) {
-            Move move;
-            if (!describe_single(patchwork_, passage.face, passage.corner, move) ||
-                move.from != passage.move.from || move.to != passage.move.to ||
-                !single_is_allowed(patchwork_, passage.face, passage.corner, move)) {
-                return relieved;
-            }
-            boundaries_.commit(move);
-            relieved = true;
-            if (move.from == start) {
-                return true;
-            }
-            passage = came_by_[move.from];
-        }
-    }
-
-    Patchwork& patchwork_;
-    const int limit_;
-    const Progress& progress_;
-    std::int64_t work_left_ = 0;
-    SubmeshBoundaries boundaries_;
-    /// -1: not reached.
-    std::vector<int> inflow_;
-    std::vector<Passage> came_by_;
-    std::vector<Passage> passages_;
-    std::vector<int> queue_;
-    Random random_{0x77656967687473ULL};
-};
 
 /// Steps above the mean, and tries to get below the last one that was missed.
 constexpr double kSteps[] = {0.03, 0.01, 0.003, 0.001};
@@ -269,10 +100,6 @@ private:
 };
 
 } // namespace
-
-bool lower_loads(Patchwork& patchwork, int limit, const Progress& progress) {
-    return LoadLowering(patchwork, limit, progress).run();
-}
 
 int heaviest_load(const Patchwork& patchwork) {
     return *std::max_element(patchwork.load.begin(), patchwork.load.end());

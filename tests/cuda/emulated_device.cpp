@@ -4,7 +4,8 @@
 #include "emulation.h"
 
 #include "anneal_kernels.cuh"
-#include "swap_kernels.cuh"
+#include "cohesion_kernels.cuh"
+#include "refinement_kernels.cuh"
 
 namespace spheroseg::test {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "face_weights.h"
+#include "load_lowering.h"
 #include "segment.h"
 #include "shares.h"
 #include "weight_balance.h"
