@@ -32,12 +32,14 @@ public:
                   const SegmentOptions& options,
                   const Deadline& deadline,
                   const Progress& progress,
-                  AnnealDevice* device,
-                  Segmentation& result)
+                  AnnealDevice* device)
         : prepared_(prepared), options_(options), deadline_(deadline), progress_(progress),
-          device_(device), result_(result) {}
+          device_(device) {}
 
-    void run(int submesh_count) {
+    Segmentation run() {
+        const int face_count = prepared_.mesh().face_count();
+        const int submesh_count = requested_submesh_count(options_, face_count);
+        result_.best_max_triangle_count_difference = face_count % submesh_count != 0;
         const StopWatch watch;
         components_ = &components_of(prepared_);
         seconds_.parametrization += watch.elapsed_seconds();
@@ -46,7 +48,7 @@ public:
             face_counts.push_back(component.face_count());
         }
         share_out(face_counts, submesh_count);
-        result_.labels.resize(prepared_.mesh().face_count());
+        result_.labels.resize(face_count);
 
         std::vector<int> small;
         const auto component_count = static_cast<int>(components_->size());
@@ -64,7 +66,7 @@ public:
         }
         segment_small(small);
         if (options_.balance == Balance::triangle_count && submesh_count > 1 &&
-            prepared_.mesh().face_count() <= kMaxFacesToSearch && !is_as_even_as_possible()) {
+            face_count <= kMaxFacesToSearch && !is_as_even_as_possible()) {
             search_all_shares(submesh_count);
         }
         if (!options_.initial_labels.empty() &&
@@ -80,6 +82,7 @@ public:
         result_.boundary_edges_by_iteration = std::move(history_.boundary_edges);
         result_.seconds_by_iteration = std::move(history_.seconds);
         result_.time_limit_hit = deadline_.expired();
+        return std::move(result_);
     }
 
 private:
@@ -277,7 +280,7 @@ private:
     const Deadline& deadline_;
     const Progress& progress_;
     AnnealDevice* const device_; // null without
-    Segmentation& result_;
+    Segmentation result_;
     std::vector<Component>* components_ = nullptr;
     std::vector<int> submesh_counts_;
     int least_count_ = 0;
@@ -292,14 +295,12 @@ private:
 
 } // namespace
 
-void segment_fast(PreparedMesh& prepared,
-                  const SegmentOptions& options,
-                  int submesh_count,
-                  const Deadline& deadline,
-                  const Progress& progress,
-                  AnnealDevice* device,
-                  Segmentation& result) {
-    ComponentWise(prepared, options, deadline, progress, device, result).run(submesh_count);
+Segmentation segment_fast(PreparedMesh& prepared,
+                          const SegmentOptions& options,
+                          const Deadline& deadline,
+                          const Progress& progress,
+                          AnnealDevice* device) {
+    return ComponentWise(prepared, options, deadline, progress, device).run();
 }
 
 } // namespace spheroseg

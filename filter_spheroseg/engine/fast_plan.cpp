@@ -2,7 +2,6 @@
 #include "fast_plan.h"
 
 #include "levels.h"
-#include "trials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,8 +82,7 @@ StartCost FastPlan::cost_of_start(int trials) const {
     double proposals = 0.0;
     double done_faces = first_faces;
     if (trials > 1) {
-        const TrialWork work =
-            trial_work(trials, face_count_, submesh_count_, first_face_count_, schedules_);
+        const TrialWork work = trial_work(trial_plan(trials), face_count_);
         cost.start = kProposal * work.proposals();
         done_faces = work.face_count;
     } else {

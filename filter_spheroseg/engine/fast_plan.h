@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "schedules.h"
+#include "trials.h"
 
 namespace spheroseg {
 
@@ -36,15 +36,14 @@ public:
 
     /// Takes note of how many cells the first level has in fact.
     void set_first_level(int cell_count);
-    /// The least cells that it may have. As `coarse_face_count`; more where there is no level so
-    /// coarse.
-    int first_face_count() const { return first_face_count_; }
-
     /// Iterations of Lloyd's relaxation of a single start; more where the first level is so coarse
     /// that they take little of the time.
     int relaxations() const;
     /// How many starts are worth their time where the layout decides, at least 1.
     int trials() const;
+    TrialPlan trial_plan(int trials) const {
+        return {trials, submesh_count_, first_face_count_, schedules_};
+    }
     /// More than all annealings of a start have phases.
     int most_phases() const;
     /// Of a start that is the best of so many, or a single one.
@@ -54,6 +53,8 @@ private:
     int face_count_;
     int submesh_count_;
     Schedules schedules_;
+    /// The least cells that the first level may have. As `coarse_face_count`; more where there is
+    /// no level so coarse.
     int first_face_count_;
 };
 

@@ -308,11 +308,8 @@ private:
 
     Patchwork best_layout() {
         const StopWatch watch;
-        Trial best = best_of_trials(trials(),
-                                    *multilevel_,
-                                    submesh_count_,
-                                    plan_.first_face_count(),
-                                    plan_.schedules(),
+        Trial best = best_of_trials(*multilevel_,
+                                    plan_.trial_plan(trials()),
                                     seed_,
                                     limit(),
                                     sub_progress(start_progress_, 0.0, cost_.start_end()));

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "segment.h"
 
-#include "all_pairs_cohesion.h"
-#include "all_pairs_refinement.h"
+#include "all_pairs_segmentation.h"
 #include "component.h"
 #include "component_segmentation.h"
 #include "device_groups.h"
-#include "device_swaps.h"
 #include "face_weights.h"
 #include "warm_start.h"
 
@@ -26,92 +24,6 @@ void refuse_negative(double value, const char* name) {
         throw InvalidOptions(std::string(name) + " must be 0 or more, found " + to_text(value) +
                              ". Use 0 for the default.");
     }
-}
-
-void append(std::vector<double>& to, const std::vector<double>& from) {
-    to.insert(to.end(), from.begin(), from.end());
-}
-
-/// Adds the iterations of a step to the result.
-void record(Segmentation& result, const SwapIterations& iterations) {
-    append(result.boundary_edges_by_iteration, iterations.boundary_edges);
-    append(result.seconds_by_iteration, iterations.seconds);
-    append(result.energy_by_iteration, iterations.energy);
-    result.time_limit_hit = result.time_limit_hit || iterations.time_limit_hit;
-}
-
-/// Cohesion and refinement, on `device` unless it is null.
-void swap_all_pairs(const PreparedMesh& prepared,
-                    const std::vector<Vec3>& centroids,
-                    const SegmentOptions& options,
-                    SwapLimits limits,
-                    const Progress& progress,
-                    Segmentation& result) {
-    const int submesh_count = requested_submesh_count(options, prepared.mesh().face_count());
-    limits.max_iterations = options.max_cohesion_iterations;
-    const StopWatch cohesion_watch;
-    result.labels =
-        random_balanced_labels(prepared.mesh().face_count(), submesh_count, options.seed);
-    const SwapIterations cohesion = cohere_all_pairs(prepared.dual_graph(),
-                                                     centroids,
-                                                     submesh_count,
-                                                     options.seed,
-                                                     limits,
-                                                     result.labels,
-                                                     sub_progress(progress, 0.0, 0.9));
-    record(result, cohesion);
-    result.cohesion_iterations = cohesion.count();
-    result.cohesion_seconds = cohesion_watch.elapsed_seconds();
-    result.measures_after_cohesion = measure(prepared.mesh(),
-                                             prepared.dual_graph(),
-                                             result.labels,
-                                             submesh_count,
-                                             options.thread_count,
-                                             prepared.report().fans_per_vertex());
-
-    limits.max_iterations = options.max_refinement_iterations;
-    const StopWatch refinement_watch;
-    const SwapIterations refinement = refine_all_pairs(
-        prepared.dual_graph(), limits, result.labels, sub_progress(progress, 0.9, 1.0));
-    record(result, refinement);
-    result.refinement_iterations = refinement.count();
-    result.refinement_seconds = refinement_watch.elapsed_seconds();
-    result.used_cuda = limits.device != nullptr;
-}
-
-void segment_all_pairs(PreparedMesh& prepared,
-                       const SegmentOptions& options,
-                       const Deadline& deadline,
-                       const Progress& progress,
-                       Segmentation& result) {
-    const StopWatch parametrization_watch;
-    const std::vector<Vec3> centroids = face_centroids_on_sphere(
-        prepared.mesh(),
-        prepared.parametrization(options.thread_count, sub_progress(progress, 0.0, 0.1)).positions);
-    result.parametrization_seconds = parametrization_watch.elapsed_seconds();
-    SwapLimits limits;
-    limits.thread_count = options.thread_count;
-    limits.deadline = &deadline;
-    const bool tries_device = options.device == Device::cuda ||
-        (options.device == Device::automatic &&
-         prepared.mesh().face_count() >= cuda::kLeastFacesForDevice);
-    if (tries_device) {
-        const Segmentation before = result;
-        try {
-            cuda::DeviceSwaps device(cuda::open_device());
-            limits.device = &device;
-            swap_all_pairs(
-                prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
-            return;
-        } catch (const DeviceError&) {
-            if (options.device == Device::cuda) {
-                throw;
-            }
-            limits.device = nullptr;
-            result = before;
-        }
-    }
-    swap_all_pairs(prepared, centroids, options, limits, sub_progress(progress, 0.1, 1.0), result);
 }
 
 /// Where `fast` anneals; null: on the cores, unless a device is asked for, since none has shown yet
@@ -292,18 +204,10 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
     const Progress rising = rising_progress(progress);
     report_progress(rising, 0.0, "Parametrization");
     const int submesh_count = requested_submesh_count(options, mesh.mesh().face_count());
-    Segmentation result;
+    Segmentation result = options.method == Method::fast
+        ? segment_fast(mesh, options, deadline, rising, anneal_device(options).get())
+        : segment_all_pairs(mesh, options, deadline, rising);
     result.component_count = mesh.report().component_count;
-    result.best_max_triangle_count_difference = mesh.mesh().face_count() % submesh_count != 0;
-    switch (options.method) {
-    case Method::fast:
-        segment_fast(
-            mesh, options, submesh_count, deadline, rising, anneal_device(options).get(), result);
-        break;
-    case Method::all_pairs:
-        segment_all_pairs(mesh, options, deadline, rising, result);
-        break;
-    }
     result.measures = measure(mesh.mesh(),
                               mesh.dual_graph(),
                               result.labels,

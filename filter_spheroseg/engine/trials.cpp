@@ -44,23 +44,17 @@ struct Candidate {
 
 class Trials {
 public:
-    Trials(const Multilevel& multilevel,
-           int submesh_count,
-           int first_face_count,
-           const Schedules& schedules,
-           const Deadline& deadline)
-        : multilevel_(multilevel), submesh_count_(submesh_count),
-          first_face_count_(first_face_count), deadline_(deadline),
-          thread_count_(resolve_thread_count(schedules.thread_count)), schedules_(schedules) {
+    Trials(const Multilevel& multilevel, const TrialPlan& plan, const Deadline& deadline)
+        : multilevel_(multilevel), plan_(plan), deadline_(deadline), schedules_(plan.schedules) {
         schedules_.thread_count = 1;
         short_schedules_ = schedules_;
         short_schedules_.share = schedules_.budget.trial_share;
     }
 
-    Trial
-    best(int count, std::uint64_t seed, const TrialWork& work, const Progress& progress) const {
+    Trial best(std::uint64_t seed, const Progress& progress) const {
+        const TrialWork work = trial_work(plan_, multilevel_.face_count());
         const double made = work.making / work.proposals();
-        std::vector<Candidate> candidates(count);
+        std::vector<Candidate> candidates(plan_.count);
         run_all(candidates, sub_progress(progress, 0.0, made), [&](int i, auto& control) {
             if (i == 0 || !deadline_.expired()) {
                 Trial& trial = candidates[i].trial;
@@ -91,7 +85,8 @@ private:
             }
             return !progress || progress(sum / count, "Trials");
         };
-        run_tasks(count, thread_count_, report, [&](int i, const Progress& heard) {
+        const int threads = resolve_thread_count(plan_.schedules.thread_count);
+        run_tasks(count, threads, report, [&](int i, const Progress& heard) {
             AnnealControl control;
             control.deadline = &deadline_;
             control.progress = [&](double part, const char* step) {
@@ -130,11 +125,11 @@ private:
 
     void make(Trial& trial, int kind, std::uint64_t seed, const AnnealControl& control) const {
         const AnnealControl begun = part_of(control, 0.0, kBegun);
-        trial.patchwork = multilevel_.coarsen(first_face_count_, submesh_count_);
+        trial.patchwork = multilevel_.coarsen(plan_.first_face_count, plan_.submesh_count);
         if (kind == 3) {
             cut_again_and_again(trial.patchwork, seed, begun);
         } else {
-            bisect(trial.patchwork, submesh_count_, seed, 1);
+            bisect(trial.patchwork, plan_.submesh_count, seed, 1);
             AnnealControl recorded = part_of(control, 0.0, 0.0);
             recorded.history = &trial.history;
             relax(trial.patchwork, schedules_.budget.relaxations, 1, recorded);
@@ -159,10 +154,10 @@ private:
         AnnealSchedule schedule = short_schedules_.first(seed);
         set_balance(schedule, patchwork, 0.5, 1.5);
         const auto unit = static_cast<int>(mean_load(patchwork));
-        const double count = submesh_count_;
-        std::vector<int> parts{submesh_count_};
+        const double count = plan_.submesh_count;
+        std::vector<int> parts{plan_.submesh_count};
         patchwork.load.resize(1);
-        while (static_cast<int>(parts.size()) < submesh_count_) {
+        while (static_cast<int>(parts.size()) < plan_.submesh_count) {
             const double begin = parts.size() / count;
             cut_in_two(patchwork, parts, schedule.seed++);
             repair(patchwork);
@@ -211,10 +206,9 @@ private:
     }
 
     const Multilevel& multilevel_;
-    const int submesh_count_;
-    const int first_face_count_;
+    const TrialPlan& plan_;
     const Deadline& deadline_;
-    const int thread_count_;
+    /// Of one thread.
     Schedules schedules_;
     Schedules short_schedules_;
 };
@@ -225,42 +219,34 @@ int trial_count(const Budget& budget, int first_face_count) {
     return std::clamp(budget.trial_faces / first_face_count, 1, kMaxTrials);
 }
 
-TrialWork trial_work(int count,
-                     int face_count,
-                     int submesh_count,
-                     int first_face_count,
-                     const Schedules& schedules) {
+TrialWork trial_work(const TrialPlan& plan, int face_count) {
+    const Schedules& schedules = plan.schedules;
     const int threads = resolve_thread_count(schedules.thread_count);
     const int trial_faces = std::min(kTrialFaces, face_count);
     const int final_faces = std::min(kFinalFaces, face_count);
-    const double first_edges = hexagonal_edges(first_face_count, submesh_count);
-    const double trial_edges = hexagonal_edges(trial_faces, submesh_count);
+    const double first_edges = hexagonal_edges(plan.first_face_count, plan.submesh_count);
+    const double trial_edges = hexagonal_edges(trial_faces, plan.submesh_count);
     const double first = schedules.first_proposals() * first_edges;
     const double further = schedules.further_proposals(first_edges, trial_edges);
     // Of four trials one is melted before, and one annealed after each cut.
     const double melting = kMeltingProposals * first + further;
-    const double cuts = std::log2(submesh_count) * first;
+    const double cuts = std::log2(plan.submesh_count) * first;
     const double trial = schedules.budget.trial_share * (first + further + (melting + cuts) / 4.0) +
-        schedules.budget.relaxations * first_face_count / kRelaxedPerProposal;
-    const auto finalists = std::min(static_cast<int>(kFinalists), count);
-    return {trial * count / std::min(threads, count),
-            schedules.further_proposals(trial_edges, hexagonal_edges(final_faces, submesh_count)) *
-                finalists / std::min(threads, finalists),
+        schedules.budget.relaxations * plan.first_face_count / kRelaxedPerProposal;
+    const auto finalists = std::min(static_cast<int>(kFinalists), plan.count);
+    const double final_edges = hexagonal_edges(final_faces, plan.submesh_count);
+    return {trial * plan.count / std::min(threads, plan.count),
+            schedules.further_proposals(trial_edges, final_edges) * finalists /
+                std::min(threads, finalists),
             final_faces};
 }
 
-Trial best_of_trials(int count,
-                     const Multilevel& multilevel,
-                     int submesh_count,
-                     int first_face_count,
-                     const Schedules& schedules,
+Trial best_of_trials(const Multilevel& multilevel,
+                     const TrialPlan& plan,
                      std::uint64_t seed,
                      const Deadline& deadline,
                      const Progress& progress) {
-    const Trials trials(multilevel, submesh_count, first_face_count, schedules, deadline);
-    const TrialWork work =
-        trial_work(count, multilevel.face_count(), submesh_count, first_face_count, schedules);
-    return trials.best(count, seed, work, progress);
+    return Trials(multilevel, plan, deadline).best(seed, progress);
 }
 
 } // namespace spheroseg

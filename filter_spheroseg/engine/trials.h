@@ -15,6 +15,15 @@ struct Trial {
     History history;
 };
 
+struct TrialPlan {
+    /// Number of trials, at least 1.
+    int count;
+    int submesh_count;
+    /// The least cells of the level that they begin on.
+    int first_face_count;
+    Schedules schedules;
+};
+
 /// How many trials are worth their time, at least 1, where the first level has so many cells.
 int trial_count(const Budget& budget, int first_face_count);
 
@@ -29,21 +38,19 @@ struct TrialWork {
     double proposals() const { return making + finishing; }
 };
 
-TrialWork trial_work(
-    int count, int face_count, int submesh_count, int first_face_count, const Schedules& schedules);
+/// On a mesh with so many faces.
+TrialWork trial_work(const TrialPlan& plan, int face_count);
 
-/// Makes `count` trials on the coarsest level with at least `first_face_count` cells and anneals
-/// them up to a level where edges are about equally long; those with the shortest boundaries go on
-/// for some levels, or to the end of a small mesh. Returns the best one, annealed on its level. Of
-/// every four trials one is annealed without a care for connectedness first, so that boundaries can
-/// begin to pass through holes and handles, and one is cut in two again and again with an annealing
-/// after each cut, which finds rings. They are worked on side by side; the result does not depend
-/// on the number of threads. When the time is up, fewer are made. Throws Cancelled.
-Trial best_of_trials(int count,
-                     const Multilevel& multilevel,
-                     int submesh_count,
-                     int first_face_count,
-                     const Schedules& schedules,
+/// Makes `plan.count` trials on the coarsest level with at least `plan.first_face_count` cells and
+/// anneals them up to a level where edges are about equally long; those with the shortest
+/// boundaries go on for some levels, or to the end of a small mesh. Returns the best one, annealed
+/// on its level. Of every four trials one is annealed without a care for connectedness first, so
+/// that boundaries can begin to pass through holes and handles, and one is cut in two again and
+/// again with an annealing after each cut, which finds rings. They are worked on side by side; the
+/// result does not depend on the number of threads. When the time is up, fewer are made. Throws
+/// Cancelled.
+Trial best_of_trials(const Multilevel& multilevel,
+                     const TrialPlan& plan,
                      std::uint64_t seed,
                      const Deadline& deadline,
                      const Progress& progress);

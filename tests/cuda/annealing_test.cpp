@@ -89,9 +89,7 @@ TEST(EmulatedAnnealing, LabelsAreThoseOfTheCoresForAnyThreadsOfABlock) {
 }
 
 Segmentation segment_with(PreparedMesh& mesh, const SegmentOptions& options, AnnealDevice* device) {
-    Segmentation result;
-    segment_fast(mesh, options, options.submesh_count, Deadline(0), {}, device, result);
-    return result;
+    return segment_fast(mesh, options, Deadline(0), {}, device);
 }
 
 TEST(EmulatedAnnealing, FastMakesTheSameLabelsOnADevice) {
