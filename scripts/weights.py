@@ -16,7 +16,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pymeshlab
 import pymetis
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -28,7 +27,6 @@ from spheroseg.baselines import load  # noqa: E402
 from spheroseg.dual_graph import build_dual_graph  # noqa: E402
 
 SEEDS = range(1, 6)
-SAMPLES = Path(pymeshlab.__path__[0]) / "tests" / "sample_meshes"
 
 
 def read(path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -94,7 +92,7 @@ def main() -> None:
     print("| mesh | F | k | weights | ours: heaviest / mean | BE | METIS | BE | no less than |")
     print("|---|---|---|---|---|---|---|---|---|")
     for name in ("cow.obj", "bunny.obj"):
-        vertices, faces = read(SAMPLES / name)
+        vertices, faces = read(mesh_files.sample_mesh(name))
         random = np.random.default_rng(1).integers(1, 11, len(faces)).astype(float)
         for k in (200, -(-len(faces) // 64)):
             for kind, weights in (("area", face_areas(vertices, faces)), ("1 to 10", random)):

@@ -28,17 +28,12 @@ ROWS = {
 }
 
 
-def sample_mesh(name: str) -> Path:
-    """Path of a mesh that PyMeshLab brings along."""
-    return Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / name
-
-
 def main(output: Path) -> None:
     """Writes cow.ply (labels and colours) and cow.png to `output`, and prints the measures."""
     output.mkdir(parents=True, exist_ok=True)
     mesh_path, picture_path = output / "cow.ply", output / "cow.png"
     mesh_set = pymeshlab.MeshSet()
-    mesh_set.load_new_mesh(str(sample_mesh("cow.obj")))
+    mesh_set.load_new_mesh(str(mesh_files.sample_mesh("cow.obj")))
     measures = mesh_set.compute_scalar_by_balanced_segmentation_per_face(
         submesh_count=SUBMESH_COUNT
     )

@@ -18,6 +18,11 @@ from spheroseg.file_checks import check_is_file, check_name, checked_triangle_co
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
 
+def sample_mesh(name: str) -> Path:
+    """Path of a mesh that PyMeshLab brings along."""
+    return Path(pymeshlab.__file__).parent / "tests" / "sample_meshes" / name
+
+
 def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     """Reads a mesh file through PyMeshLab; triangles and vertices keep the file's order.
 

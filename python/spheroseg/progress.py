@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A progress bar for filters that run inside PyMeshLab.
+"""Progress bars: of many meshes, and of filters that run inside PyMeshLab.
 
 PyMeshLab has no progress callback for Python; in verbose mode it writes each report of the filter
 to the process's stderr. For the time of a filter that stream is read here and drawn as a bar.
@@ -17,9 +17,41 @@ from pathlib import Path
 
 import pymeshlab
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 _REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
+
+
+class MeshProgress:
+    """Of `total` meshes on stderr: where that is a terminal a bar with the time left while the
+    `with` block runs, and in any case a line for each failure."""
+
+    def __init__(self, title: str, total: int):
+        columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        self._console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self._bar = Progress(*columns, console=self._console, disable=not self._console.is_terminal)
+        self._task = self._bar.add_task("", total=total)
+
+    def __enter__(self):
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        self._bar.stop()
+
+    def advance(self) -> None:
+        self._bar.advance(self._task)
+
+    def say_failed(self, failure: str) -> None:
+        self._console.print(f"failed: {failure}", markup=False, emoji=False)
 
 
 @contextlib.contextmanager

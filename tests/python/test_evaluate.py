@@ -617,6 +617,8 @@ def test_one_result_is_plotted_whatever_its_time():
         "seconds": 5.1380740783157756e-05,
         "triangle_count": 8,
         "boundary_edges_over_hexagonal": 0.5,
+        "run_count": 1,
+        "valid_run_count": 1,
     }
     assert "Title of the method" in plots.quality_and_time([row], {"fast": "Title of the method"})
 

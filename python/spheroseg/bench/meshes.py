@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pymeshlab
 
 from spheroseg import mesh_files
 from spheroseg.batch.inputs import MESH_SUFFIXES
@@ -47,8 +46,7 @@ def available(sample_folder: Path, more_folder: Path) -> tuple[list[BenchMesh], 
     """All meshes that are there, and a line for each folder that is not."""
     sources = {}
     reasons = []
-    pymeshlab_folder = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
-    for path in (pymeshlab_folder / name for name in PYMESHLAB_SAMPLES):
+    for path in map(mesh_files.sample_mesh, PYMESHLAB_SAMPLES):
         if path.is_file():
             sources[path.stem] = path
         else:

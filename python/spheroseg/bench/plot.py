@@ -3,13 +3,10 @@
 
 from pathlib import Path
 
-import matplotlib
+from matplotlib import pyplot
 
 from spheroseg.bench.statistics import Table, submesh_count
-from spheroseg.evaluate.judging import geometric_mean
-
-matplotlib.use("Agg")
-from matplotlib import pyplot  # noqa: E402 (after the choice of the backend)
+from spheroseg.evaluate.plots import mark_quality_and_time
 
 _COLOURS = ("#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdae6b", "#756bb1", "#08519c")
 _MARKERS = "osD^vP*X"
@@ -33,26 +30,12 @@ def quality_and_time(
                 continue
             times = [1e6 * case.seconds / case.triangle_count for case in cases]
             edges = [case.boundary_edges_over_hexagonal for case in cases]
-            colour, marker = _COLOURS[index], _MARKERS[index]
-            axis.scatter(times, edges, s=12, alpha=0.3, color=colour, marker=marker)
             valid = all(case.invalid_count == 0 for case in cases)
-            axis.scatter(
-                [geometric_mean(times)],
-                [geometric_mean(edges)],
-                s=90,
-                marker=marker,
-                facecolor=colour if valid else "white",
-                edgecolor="black" if valid else colour,
-                linewidth=1 if valid else 2,
-                label=titles[method],
-                zorder=3,
-            )
-        axis.set_xscale("log")
+            look = titles[method], _COLOURS[index], _MARKERS[index], valid
+            mark_quality_and_time(axis, times, edges, *look)
         axis.set_title(f"k = {kind}", fontsize=10)
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-        axis.set_xlabel("microseconds per triangle")
-        axis.set_ylabel("boundary edges / hexagonal bound")
     handles = {}
     for axis in axes.flat:
         handles |= dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))

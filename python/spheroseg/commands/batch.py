@@ -9,9 +9,6 @@ that was broken off, killed included, continues with --resume. docs/batch.md tel
 import sys
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from spheroseg import api, atomic
 from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import Job, versions
@@ -21,6 +18,7 @@ from spheroseg.cores import core_count
 from spheroseg.errors import InputError
 from spheroseg.export import gltf_library
 from spheroseg.packages import require
+from spheroseg.progress import MeshProgress
 
 FORMATS = ("ply", "npy", "npz", "glb")
 # Of the filter; given here so that the manifest tells of them.
@@ -70,10 +68,16 @@ def run(arguments) -> int:
     runner.prepare_folder(folder, jobs, lists, arguments.resume)
     atomic.remove_leftovers(folder)
     try:
-        with _Display(len(jobs)) as display:
+        with MeshProgress("Segmenting", len(jobs)) as progress:
+
+            def done(record: dict) -> None:
+                if record["status"] != "done":
+                    progress.say_failed(f"{record['mesh']}: {record['error']}")
+                progress.advance()
+
             records = runner.run_all(
                 jobs,
-                display.add,
+                done,
                 resume=arguments.resume,
                 worker_count=workers,
                 scheduler=arguments.scheduler,
@@ -145,29 +149,3 @@ def _own_options(options: dict, submesh_count: int | None) -> dict:
         return options
     others = {name: v for name, v in options.items() if name != "triangles_per_submesh"}
     return others | {"submesh_count": submesh_count}
-
-
-class _Display:
-    """A bar with the time left on a terminal's stderr; a line per failure in any case."""
-
-    def __init__(self, total: int):
-        columns = ("{task.description}", BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        columns = [TextColumn(c) if isinstance(c, str) else c for c in columns]
-        self.console = Console(stderr=True, highlight=False, soft_wrap=True)
-        self.progress = Progress(
-            *columns, console=self.console, disable=not self.console.is_terminal
-        )
-        self.task = self.progress.add_task("Segmenting", total=total)
-
-    def __enter__(self):
-        self.progress.start()
-        return self
-
-    def __exit__(self, *_):
-        self.progress.stop()
-
-    def add(self, record: dict) -> None:
-        if record["status"] != "done":
-            line = f"failed: {record['mesh']}: {record['error']}"
-            self.console.print(line, markup=False, emoji=False)
-        self.progress.advance(self.task)

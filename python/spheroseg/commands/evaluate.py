@@ -11,9 +11,6 @@ import shlex
 import sys
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from spheroseg.batch import inputs
 from spheroseg.commands import shared
 from spheroseg.errors import InputError
@@ -21,6 +18,7 @@ from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
 from spheroseg.packages import require
+from spheroseg.progress import MeshProgress
 
 VIEWER_LIMIT = 120_000
 
@@ -64,18 +62,15 @@ def run(arguments) -> int:
     report = _report_module()
     files = runner.files_of(sources, plan)
     earlier = report_folder.prepare(folder, files)
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
-    columns = (TextColumn("Evaluating"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=len(sources))
-        rows, failures = runner.evaluate(sources, plan, folder, lambda *_: progress.advance(task))
+    with MeshProgress("Evaluating", len(sources)) as progress:
+        rows, failures = runner.evaluate(sources, plan, folder, lambda *_: progress.advance())
     failures += [
         f"{row['mesh']}, k = {row['submesh_count']}, {row['method']}: {row['error']}"
         for row in rows
         if row["status"] == "failed"
     ]
     for failure in failures:
-        console.print(f"failed: {failure}", markup=False, emoji=False)
+        progress.say_failed(failure)
     if all(row["status"] == "left out" for row in rows):
         report_folder.keep_only(folder, earlier)
         raise InputError(_why_nothing_ran(rows))

@@ -81,9 +81,31 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
         return _svg(figure)
 
 
+def mark_quality_and_time(
+    axis, times: list[float], edges: list[float], title: str, color: str, marker: str, valid: bool
+) -> None:
+    """A method on an axis with the boundary over the hexagonal bound against microseconds per
+    triangle: results as small marks, their geometric means as a large one, which is filled where
+    every result is valid."""
+    axis.scatter(times, edges, s=15, alpha=0.3, color=color, marker=marker)
+    axis.scatter(
+        [geometric_mean(times)],
+        [geometric_mean(value for value in edges if value > 0)],  # one sub-mesh has no boundary
+        s=90,
+        marker=marker,
+        facecolor=color if valid else "white",
+        edgecolor="black" if valid else color,
+        linewidth=1 if valid else 2,
+        label=title,
+        zorder=3,
+    )
+    axis.set_xscale("log")
+    axis.set_xlabel("microseconds per triangle")
+    axis.set_ylabel("boundary edges / hexagonal bound")
+
+
 def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
-    """Boundary length over the hexagonal bound against microseconds per triangle; geometric means
-    over all meshes and k as large marks."""
+    """All meshes and k, as mark_quality_and_time draws them."""
     methods = list(titles)
     with pyplot.rc_context(_STYLE):
         figure, axis = pyplot.subplots(figsize=(7.2, 4), layout="constrained")
@@ -91,14 +113,8 @@ def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
             mine = [row for row in rows if row["method"] == method]
             times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
             edges = [row["boundary_edges_over_hexagonal"] for row in mine]
-            look = dict(zip(("color", "marker"), mark(index), strict=True))
-            axis.scatter(times, edges, s=18, alpha=0.35, **look)
-            # One sub-mesh has no boundary.
-            mean = [geometric_mean(times)], [geometric_mean(e for e in edges if e > 0)]
-            axis.scatter(*mean, s=90, edgecolor="black", label=titles[method], zorder=3, **look)
-        axis.set_xscale("log")
-        axis.set_xlabel("microseconds per triangle")
-        axis.set_ylabel("boundary edges / hexagonal bound")
+            valid = all(row["valid_run_count"] == row["run_count"] for row in mine)
+            mark_quality_and_time(axis, times, edges, titles[method], *mark(index), valid)
         axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
 
