@@ -34,45 +34,63 @@ void check_indices(const TriangleMesh& mesh) {
     }
 }
 
+/// The sides of all faces in one bucket per lower vertex: those of vertex v from begin[v] up to
+/// begin[v + 1]. Within a bucket in the order of the sides, so that nothing depends on threads.
+struct Buckets {
+    std::vector<int> begin;
+    std::vector<Side> sides;
+};
+
+Buckets bucket_sides(const TriangleMesh& mesh) {
+    const int vertex_count = mesh.vertex_count();
+    Buckets buckets;
+    buckets.begin.assign(vertex_count + 1, 0);
+    for (const Triangle& face : mesh.faces) {
+        for (int c = 0; c < 3; ++c) {
+            ++buckets.begin[std::min(face[c], face[(c + 1) % 3]) + 1];
+        }
+    }
+    for (int v = 0; v < vertex_count; ++v) {
+        buckets.begin[v + 1] += buckets.begin[v];
+    }
+    buckets.sides.resize(3 * mesh.faces.size());
+    std::vector<int> fill(buckets.begin.begin(), buckets.begin.end() - 1);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            const int a = mesh.faces[f][c];
+            const int b = mesh.faces[f][(c + 1) % 3];
+            buckets.sides[fill[std::min(a, b)]++] = {std::max(a, b), 3 * f + c};
+        }
+    }
+    return buckets;
+}
+
+/// Makes the faces of two sides of one edge neighbours.
+void join(const TriangleMesh& mesh, int first, int second, DualGraph& graph) {
+    const int f = first / 3;
+    const int g = second / 3;
+    const bool has_length = mesh.faces[f][first % 3] != mesh.faces[f][(first % 3 + 1) % 3];
+    if (f != g && has_length) {
+        graph.neighbors[f][first % 3] = g;
+        graph.neighbors[g][second % 3] = f;
+    }
+}
+
 } // namespace
 
 DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
     check_indices(mesh);
-    const int face_count = mesh.face_count();
     const int vertex_count = mesh.vertex_count();
     DualGraph graph;
-    graph.neighbors.assign(face_count, {-1, -1, -1});
-
-    const auto lower_vertex = [&](int f, int c) {
-        return std::min(mesh.faces[f][c], mesh.faces[f][(c + 1) % 3]);
-    };
-    // Sides sorted into one bucket per lower vertex. Filling in face order keeps each bucket
-    // sorted by side index, so that the result does not depend on threads.
-    std::vector<int> bucket_begin(vertex_count + 1, 0);
-    for (int f = 0; f < face_count; ++f) {
-        for (int c = 0; c < 3; ++c) {
-            ++bucket_begin[lower_vertex(f, c) + 1];
-        }
-    }
-    for (int v = 0; v < vertex_count; ++v) {
-        bucket_begin[v + 1] += bucket_begin[v];
-    }
-    std::vector<Side> sides(3 * static_cast<std::size_t>(face_count));
-    std::vector<int> fill(bucket_begin.begin(), bucket_begin.end() - 1);
-    for (int f = 0; f < face_count; ++f) {
-        for (int c = 0; c < 3; ++c) {
-            const int a = mesh.faces[f][c];
-            const int b = mesh.faces[f][(c + 1) % 3];
-            sides[fill[std::min(a, b)]++] = {std::max(a, b), 3 * f + c};
-        }
-    }
+    graph.neighbors.assign(mesh.face_count(), {-1, -1, -1});
+    Buckets buckets = bucket_sides(mesh);
     const int threads = threads_for(thread_count, vertex_count, kVerticesPerTask);
     int edge_count = 0;
 #pragma omp parallel for schedule(dynamic, kVerticesPerTask) num_threads(threads)                  \
     reduction(+ : edge_count)
     for (int v = 0; v < vertex_count; ++v) {
-        const auto begin = sides.begin() + bucket_begin[v];
-        const auto end = sides.begin() + bucket_begin[v + 1];
+        const auto begin = buckets.sides.begin() + buckets.begin[v];
+        const auto end = buckets.sides.begin() + buckets.begin[v + 1];
         std::stable_sort(begin, end, [](const Side& a, const Side& b) {
             return a.other_vertex < b.other_vertex;
         });
@@ -83,14 +101,7 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
             }
             ++edge_count;
             if (run_end - run == 2) {
-                const int f = run[0].side / 3;
-                const int g = run[1].side / 3;
-                const int cf = run[0].side % 3;
-                const int cg = run[1].side % 3;
-                if (f != g && mesh.faces[f][cf] != mesh.faces[f][(cf + 1) % 3]) {
-                    graph.neighbors[f][cf] = g;
-                    graph.neighbors[g][cg] = f;
-                }
+                join(mesh, run[0].side, run[1].side, graph);
             }
             run = run_end;
         }

@@ -184,68 +184,72 @@ class Bar:
 
 def bars(table: Table, sweep: Iterable[dict] = ()) -> list[Bar]:
     """The bars of `fast`, each with what was measured (geometric means, unless said otherwise)."""
-    everywhere = (0, math.inf)
-    small, large = (0, SMALL_LIMIT), (LARGE_LIMIT + 1, math.inf)
-    one_thread = (STANDARD, "one_thread")
+    return [
+        *_edge_bars(table),
+        *_time_bars(table),
+        _validity_bar(table, sweep),
+        *_machine_bars(table),
+    ]
 
-    def mean(title: str, bar: float, aim: float, ratios: list[float], better=False) -> Bar:
-        return Bar(title, bar, aim, geometric_mean(ratios), len(ratios), better)
+
+def _edge_bars(table: Table) -> list[Bar]:
+    metis, slack = "BE over the better METIS mode", "BE over Mt-KaHyPar `quality` (3 % slack)"
 
     def edges(method: str, kinds: Sequence[str], rival: str = "metis") -> list[float]:
         return table.edge_ratios(method, kinds, rival)
 
-    coarse = edges(STANDARD, ["20"])
+    return [
+        _mean(f"{metis}, k = 200, `standard`", 0.95, 0.90, edges(STANDARD, ["200"])),
+        _mean(f"{metis}, k = 200, `high`", 0.90, 0.87, edges(HIGH, ["200"])),
+        _mean(f"{slack}, k = 200, `standard`", 1.00, 0.96, edges(STANDARD, ["200"], MTKAHYPAR)),
+        _mean(f"{slack}, k = 200, `high`", 0.96, 0.93, edges(HIGH, ["200"], MTKAHYPAR)),
+        _mean(f"{metis}, F/64 and F/256, `standard`", 0.97, 0.93, edges(STANDARD, COUNT_KINDS[2:])),
+        _worst(f"{metis}, k = 20, `standard`, worst mesh", 1.05, 0.97, edges(STANDARD, ["20"])),
+    ]
+
+
+def _time_bars(table: Table) -> list[Bar]:
+    everywhere = (0, math.inf)
+    small, large = (0, SMALL_LIMIT), (LARGE_LIMIT + 1, math.inf)
+    clock = "total time over METIS k-way contiguous"
+    fast = f"{clock}, k = 200, `standard`"
+    fine = f"{clock}, F/64, `standard`, any F"
+    again = table.time_ratios("200", *everywhere, (STANDARD, "again"), (STANDARD, "first"))
     growth = table.growth()
-    ours = [row for row in table.rows if row["method"] in EFFORT_METHODS]
-    ours += [row for row in table.failures if row["method"] in EFFORT_METHODS]
+    exponent = "fitted exponent of time in F, k = F/256, `standard`"
+    return [
+        _mean(f"{fast}, F up to 60,000", 2.0, 1.0, table.time_ratios("200", *small)),
+        _mean(f"{fast}, F above 100,000", 3.0, 1.0, table.time_ratios("200", *large)),
+        _mean(fine, 0.6, 0.3, table.time_ratios("F/64", *everywhere)),
+        _mean("second call with another k over a first one, k = 200, `standard`", 0.5, 0.2, again),
+        Bar(exponent, 1.15, 1.05, growth_exponent(growth), len(growth)),
+    ]
+
+
+def _validity_bar(table: Table, sweep: Iterable[dict]) -> Bar:
+    ours = [row for row in (*table.rows, *table.failures) if row["method"] in EFFORT_METHODS]
     ours = [row for row in ours if row["measurement"] != "memory"] + list(sweep)
     valid = 100 * sum(map(is_valid, ours)) / len(ours) if ours else math.nan
-    memory = [value for _, value in table.bytes_per_triangle()]
-    again = table.time_ratios("200", *everywhere, (STANDARD, "again"), (STANDARD, "first"))
+    return Bar("valid results of ours, per cent", 100, 100, valid, len(ours), more_is_better=True)
+
+
+def _machine_bars(table: Table) -> list[Bar]:
+    large = (LARGE_LIMIT + 1, math.inf)
+    one_thread = (STANDARD, "one_thread")
     speed_up = table.time_ratios("F/256", *large, one_thread, (STANDARD, "first"))
-    metis, slack = "BE over the better METIS mode", "BE over Mt-KaHyPar `quality` (3 % slack)"
-    clock = "total time over METIS k-way contiguous"
+    threads = "speed-up of 2 threads over 1, F above 100,000, k = F/256"
+    memory = "peak memory per triangle in bytes, F above 100,000, worst mesh"
     return [
-        mean(f"{metis}, k = 200, `standard`", 0.95, 0.90, edges(STANDARD, ["200"])),
-        mean(f"{metis}, k = 200, `high`", 0.90, 0.87, edges(HIGH, ["200"])),
-        mean(f"{slack}, k = 200, `standard`", 1.00, 0.96, edges(STANDARD, ["200"], MTKAHYPAR)),
-        mean(f"{slack}, k = 200, `high`", 0.96, 0.93, edges(HIGH, ["200"], MTKAHYPAR)),
-        mean(f"{metis}, F/64 and F/256, `standard`", 0.97, 0.93, edges(STANDARD, COUNT_KINDS[2:])),
-        Bar(
-            f"{metis}, k = 20, `standard`, worst mesh",
-            1.05,
-            0.97,
-            max(coarse, default=math.nan),
-            len(coarse),
-        ),
-        mean(
-            f"{clock}, k = 200, `standard`, F up to 60,000",
-            2.0,
-            1.0,
-            table.time_ratios("200", *small),
-        ),
-        mean(
-            f"{clock}, k = 200, `standard`, F above 100,000",
-            3.0,
-            1.0,
-            table.time_ratios("200", *large),
-        ),
-        mean(f"{clock}, F/64, `standard`, any F", 0.6, 0.3, table.time_ratios("F/64", *everywhere)),
-        mean("second call with another k over a first one, k = 200, `standard`", 0.5, 0.2, again),
-        Bar(
-            "fitted exponent of time in F, k = F/256, `standard`",
-            1.15,
-            1.05,
-            growth_exponent(growth),
-            len(growth),
-        ),
-        Bar("valid results of ours, per cent", 100, 100, valid, len(ours), more_is_better=True),
-        mean("speed-up of 2 threads over 1, F above 100,000, k = F/256", 1.5, 1.8, speed_up, True),
-        Bar(
-            "peak memory per triangle in bytes, F above 100,000, worst mesh",
-            400,
-            200,
-            max(memory, default=math.nan),
-            len(memory),
-        ),
+        _mean(threads, 1.5, 1.8, speed_up, more_is_better=True),
+        _worst(memory, 400, 200, [value for _, value in table.bytes_per_triangle()]),
     ]
+
+
+def _mean(
+    title: str, bar: float, aim: float, ratios: list[float], more_is_better: bool = False
+) -> Bar:
+    return Bar(title, bar, aim, geometric_mean(ratios), len(ratios), more_is_better)
+
+
+def _worst(title: str, bar: float, aim: float, values: list[float]) -> Bar:
+    return Bar(title, bar, aim, max(values, default=math.nan), len(values))
