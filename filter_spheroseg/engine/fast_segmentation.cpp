@@ -3,6 +3,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "balance.h"
+#include "best_result.h"
 #include "bisection.h"
 #include "boundary.h"
 #include "component.h"
@@ -20,7 +21,6 @@
 #include "weight_balance.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace spheroseg {
@@ -74,23 +74,26 @@ public:
                 start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
             make_exact(patchwork);
             const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
-            any_valid_ = keep_if_better(patchwork, is_whole) || any_valid_;
+            any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
             if (!wants_more(patchwork, start)) {
                 break;
             }
         }
-        if (result_.history.count() == 0) {
-            result_.history = history_; // The initial labels stay.
+        if (best_->history().count() == 0) {
+            best_->set_history(history_); // The initial labels stay.
         }
         if (deadline_.expired() && reserve) {
             history_ = reserve->history;
             history_.on_cores = reserve->used_cuda ? 0 : history_.count();
-            keep_if_better(finest_with(reserve->labels), true);
+            best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
-        if (!result_.is_valid && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
+        if (!best_->is_valid() && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
             !deadline_.is_overdue()) {
             search();
         }
+        result_.is_valid = best_->is_valid();
+        result_.labels = best_->labels();
+        result_.history = best_->history();
         if (!task_.initial_labels.empty()) {
             rename_like(result_.labels, task_.initial_labels, submesh_count_);
         }
@@ -147,6 +150,7 @@ private:
                 multilevel_->with_weights(quantized_weights(task_.weights, submesh_count_)));
             multilevel_ = &*weighted_;
         }
+        best_.emplace(*multilevel_, task_, options_.thread_count);
     }
 
     /// Progress is by the times that the steps take.
@@ -179,8 +183,8 @@ private:
             return;
         }
         const Patchwork patchwork = finest_with(task_.initial_labels);
-        if (is_sound(patchwork) && cost_of(patchwork, true).is_valid()) {
-            keep_if_better(patchwork, true);
+        if (is_sound(patchwork) && best_->would_be_valid(patchwork)) {
+            best_->keep_if_better(patchwork, true, {});
         }
     }
 
@@ -210,53 +214,6 @@ private:
         return patchwork;
     }
 
-    /// Keeps the labels if no better ones were met. `sound`: every sub-mesh is connected and free
-    /// of bowties. Returns true when they are valid.
-    bool keep_if_better(const Patchwork& patchwork, bool sound) {
-        const Cost cost = cost_of(patchwork, sound);
-        if (least_cost_ && !(cost < *least_cost_)) {
-            return cost.is_valid();
-        }
-        least_cost_ = cost;
-        result_.is_valid = cost.is_valid();
-        result_.labels = multilevel_->labels(patchwork);
-        result_.history = history_;
-        return cost.is_valid();
-    }
-
-    /// Soundness before balance before boundary.
-    struct Cost {
-        bool is_unsound;
-        /// Faces above and below the triangle counts that are asked for.
-        std::int64_t misplaced;
-        /// With weights, thousandths of the mean that the heaviest load is too heavy.
-        std::int64_t excess;
-        std::int64_t boundary_edges;
-
-        bool is_valid() const { return !is_unsound && misplaced == 0; }
-        bool operator<(const Cost& other) const { return key() < other.key(); }
-
-    private:
-        std::tuple<bool, std::int64_t, std::int64_t, std::int64_t> key() const {
-            return {is_unsound, misplaced, excess, boundary_edges};
-        }
-    };
-
-    Cost cost_of(const Patchwork& patchwork, bool sound) const {
-        Cost cost = {!sound, 0, 0, count_boundary_edges(patchwork, options_.thread_count)};
-        if (by_weight()) {
-            const int excess = std::max(0, heaviest_load(patchwork) - near_enough(patchwork));
-            const int unit = std::max(1, multilevel_->total_weight() / submesh_count_ / 1000);
-            cost.excess = (std::int64_t{excess} + unit - 1) / unit;
-        } else {
-            for (int load : patchwork.load) {
-                cost.misplaced +=
-                    std::max({0, load - task_.largest_count, task_.least_count - load});
-            }
-        }
-        return cost;
-    }
-
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
     Patchwork first_labels(int start) {
@@ -283,7 +240,7 @@ private:
             if (*most - *least <= 1) {
                 anneal_balanced(patchwork, exchanges(patchwork), control(cost_.levels_end(), 1.0));
             }
-            keep_if_better(patchwork, true);
+            best_->keep_if_better(patchwork, true, history_);
         }
     }
 
@@ -468,7 +425,7 @@ private:
     StartCost cost_ = {};
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
-    std::optional<Cost> least_cost_;
+    std::optional<BestResult> best_;
     /// Of the running start.
     History history_;
     std::uint64_t seed_ = 0;
