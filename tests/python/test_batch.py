@@ -109,7 +109,9 @@ def test_broken_meshes_cost_one_line_each_and_the_others_are_done(undisturbed):
     assert [name in complained for name in ("nonsense.ply", "fin.ply", "cut.ply")] == [True] * 3
     status = [row["status"] for row in rows(output)]
     assert (status.count("done"), status.count("failed")) == (GOOD, BROKEN)
-    assert all(row["error"] for row in rows(output) if row["status"] == "failed")
+    for row in [row for row in rows(output) if row["status"] == "failed"]:
+        assert row["error"]
+        assert row["input_sha256"] == hashlib.sha256(Path(row["mesh"]).read_bytes()).hexdigest()
 
 
 def test_manifest_tells_the_truth_about_each_result(undisturbed):

@@ -161,5 +161,13 @@ def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any
         "status": status,
         "error": error,
         "settings": job.settings(),
+        "input_sha256": _digest_of_input(job),
         "outputs": {},
     }
+
+
+def _digest_of_input(job: Job) -> str | None:
+    try:
+        return sha256(Path(job.mesh))
+    except OSError:
+        return None
