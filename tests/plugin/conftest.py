@@ -5,6 +5,14 @@ import pymeshlab
 import pytest
 
 import spheroseg  # noqa: F401 (loads the plugin)
+from spheroseg._plugin import forget_failed_call
+
+
+@pytest.fixture(autouse=True)
+def _failed_calls_are_forgotten():
+    """Else the next file that a test loads may end the process, as tests call filters that fail."""
+    yield
+    forget_failed_call()
 
 
 @pytest.fixture
