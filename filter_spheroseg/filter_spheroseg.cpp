@@ -61,7 +61,7 @@ void add_sphere_layer(NewLayers& layers,
                       const std::vector<Vec3>& positions) {
     // Not addNewMesh(mesh, ...): it would also switch on the unset vertex colours, and MeshLab
     // would show these instead of the face colours.
-    MeshModel& layer = layers.add(layer_name(model) + " (sphere)");
+    MeshModel& layer = layers.add(layer_name(model, "(sphere)"));
     layer.cm = model.cm;
     layer.updateDataMask(&model);
     write_sphere_positions(layer.cm, host, positions);

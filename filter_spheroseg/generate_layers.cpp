@@ -14,8 +14,8 @@
 
 namespace spheroseg {
 
-QString layer_name(const MeshModel& source) {
-    return QFileInfo(source.label()).completeBaseName();
+QString layer_name(const MeshModel& source, const QString& part) {
+    return (QFileInfo(source.label()).completeBaseName() + " " + part).trimmed();
 }
 
 namespace {
@@ -180,7 +180,7 @@ int generate_submesh_layers(MeshDocument& document,
         const auto end =
             std::find_if(begin, faces.end(), [&](int face) { return labels[face] != label; });
         const Part part = collector.collect({begin, end});
-        MeshModel& layer = layers.add(layer_name(source) + " " + QString::number(label));
+        MeshModel& layer = layers.add(layer_name(source, QString::number(label)));
         layer.updateDataMask(source.dataMask() & ~kNotCopied);
         fill_layer(source.cm, host, collector, part, layer.cm);
         collector.forget(part);

@@ -13,9 +13,9 @@ namespace spheroseg {
 inline constexpr const char* kSourceVertex = "source_vertex";
 inline constexpr const char* kSourceFace = "source_face";
 
-/// What names of layers made from `source` begin with: its label without the file's extension,
-/// because MeshLab's list of layers shows a label only up to its first dot.
-QString layer_name(const MeshModel& source);
+/// Name of a layer that is `part` of `source`: behind the label of that without the file's
+/// extension, because MeshLab's list of layers shows a label only up to its first dot.
+QString layer_name(const MeshModel& source, const QString& part);
 
 /// Adds a layer for each label that has faces, in the order of the labels: its faces and their
 /// vertices with all attributes, texture names and the transformation of `source`, normals

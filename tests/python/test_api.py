@@ -376,6 +376,18 @@ def test_calls_of_several_threads_wait_for_one_another(sample_arrays):
             assert np.array_equal(labels, expected)
 
 
+@pytest.mark.parametrize(("label", "prefix"), [("a.cow.obj", "a.cow "), ("", "")])
+def test_layers_are_named_after_the_mesh(cube, label, prefix):
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(*cube))
+    mesh_set.current_mesh().set_label(label)
+    mesh_set.compute_spherical_parametrization_per_vertex(new_layer=True)
+    mesh_set.compute_scalar_by_balanced_segmentation_per_face(submesh_count=2)
+    mesh_set.generate_submesh_layers()
+    names = [mesh_set.mesh(index).label() for index in range(mesh_set.mesh_number())]
+    assert names == [label, f"{prefix}(sphere)", f"{prefix}0", f"{prefix}1"]
+
+
 FORK = """
 import os, signal, sys
 import numpy, spheroseg
