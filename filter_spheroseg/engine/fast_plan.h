@@ -36,11 +36,13 @@ public:
 
     /// Takes note of how many cells the first level has in fact.
     void set_first_level(int cell_count);
+
     /// Iterations of Lloyd's relaxation of a single start; more where the first level is so coarse
     /// that they take little of the time.
     int relaxations() const;
     /// How many starts are worth their time where the layout decides, at least 1.
     int trials() const;
+    /// Of so many.
     TrialPlan trial_plan(int trials) const {
         return {trials, submesh_count_, first_face_count_, schedules_};
     }

@@ -15,8 +15,9 @@ struct Trial {
     History history;
 };
 
+/// What trials are to be made.
 struct TrialPlan {
-    /// Number of trials, at least 1.
+    /// At least 1.
     int count;
     int submesh_count;
     /// The least cells of the level that they begin on.
