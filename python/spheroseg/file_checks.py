@@ -23,6 +23,8 @@ _BLOCK_BYTES = 2**22
 _PLY_LIST_ELEMENTS = (b"vertex", b"face", b"tristrips")
 _PLURALS = {"vertex": "vertices", "face": "faces"}
 _OFF_CORNERS = 4
+# Blanks for Python, but not for PyMeshLab: words would not be the same.
+_ODD_BLANK = re.compile(rb"[\v\f]|\r(?!\n)")
 _STL_HEADER_BYTES = 84
 _STL_FACE_BYTES = 50
 _STL_SAMPLE_BYTES = 1000
@@ -149,6 +151,11 @@ def _off_lines(path: Path, file: BinaryIO) -> Iterator[list[bytes]]:
     for number, line in enumerate(file, start=1):
         if line[:1] in (b"#", b"\n", b"\r"):
             continue
+        if _ODD_BLANK.search(line):
+            raise InputError(
+                f"{path}: line {number} has control characters between its words; the file is "
+                "damaged"
+            )
         words = line.split()
         if not words:
             raise InputError(
@@ -178,7 +185,7 @@ def _skip_off_vertices(path: Path, lines: Iterator[list[bytes]], count: int, kin
             missing -= left
             words = next(lines)
             left = len(words)
-            if any(b"#" in word for word in words):
+            if b"#" in b"".join(words):
                 raise InputError(
                     f"{path}: a vertex has a comment behind it, which PyMeshLab takes for "
                     "numbers; remove it"

@@ -169,6 +169,8 @@ def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
         ("3 0 3 2\n", "3 0 3\n", "a face of 3 corners names 2"),
         ("3 0 3 2\n", "+3 0 3 2\n", "a face has +3 corners"),
         ("4 4 6", "4 four 6", "declares four faces"),
+        ("3 1 2 3\n", "3\v0 1 2 900000000\n", "line 10 has control characters"),
+        ("3 1 2 3\n", "3\r0 1 2 900000000\n", "line 10 has control characters"),
     ],
 )
 def test_off_files_that_pymeshlab_reads_wrongly_are_refused(outcome, old, new, complaint):
