@@ -43,12 +43,8 @@ Segmentation swap_all_pairs(const PreparedMesh& prepared,
     record(result, cohesion);
     result.cohesion_iterations = cohesion.count();
     result.cohesion_seconds = cohesion_watch.elapsed_seconds();
-    result.measures_after_cohesion = measure(prepared.mesh(),
-                                             prepared.dual_graph(),
-                                             result.labels,
-                                             submesh_count,
-                                             options.thread_count,
-                                             prepared.report().fans_per_vertex());
+    result.measures_after_cohesion =
+        measure(prepared, result.labels, submesh_count, options.thread_count);
 
     limits.max_iterations = options.max_refinement_iterations;
     const StopWatch refinement_watch;

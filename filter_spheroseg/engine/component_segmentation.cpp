@@ -120,12 +120,7 @@ private:
     /// `share_out`, or load a sub-mesh that is too heavy anyway with less; then they can be better.
     void keep_better_input(int submesh_count) {
         const auto measures_of = [&](const std::vector<int>& labels) {
-            return measure(prepared_.mesh(),
-                           prepared_.dual_graph(),
-                           labels,
-                           submesh_count,
-                           options_.thread_count,
-                           prepared_.report().fans_per_vertex());
+            return measure(prepared_, labels, submesh_count, options_.thread_count);
         };
         const int largest_difference = options_.balance == Balance::weight
             ? prepared_.mesh().face_count()

@@ -98,6 +98,18 @@ bool PreparedMesh::set_parametrization(std::vector<Vec3> sphere_positions) {
     return true;
 }
 
+Measures measure(const PreparedMesh& mesh,
+                 const std::vector<int>& labels,
+                 int submesh_count,
+                 int thread_count) {
+    return measure(mesh.mesh(),
+                   mesh.dual_graph(),
+                   labels,
+                   submesh_count,
+                   thread_count,
+                   mesh.report().fans_per_vertex());
+}
+
 int requested_submesh_count(const SegmentOptions& options, int face_count) {
     if (!options.initial_labels.empty()) {
         return distinct_label_count(options.initial_labels);
@@ -208,12 +220,7 @@ segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progr
         ? segment_fast(mesh, options, deadline, rising, anneal_device(options).get())
         : segment_all_pairs(mesh, options, deadline, rising);
     result.component_count = mesh.report().component_count;
-    result.measures = measure(mesh.mesh(),
-                              mesh.dual_graph(),
-                              result.labels,
-                              submesh_count,
-                              options.thread_count,
-                              mesh.report().fans_per_vertex());
+    result.measures = measure(mesh, result.labels, submesh_count, options.thread_count);
     if (options.method == Method::fast && !result.boundary_edges_by_iteration.empty()) {
         // With what was done to balance it, or of the initial labels where these stay.
         result.boundary_edges_by_iteration.back() = result.measures.boundary_edge_count;
