@@ -87,3 +87,9 @@ def _whole(name: str, array: np.ndarray) -> np.ndarray:
         index = tuple(int(part) for part in bad[0])
         raise InputError(f"{name} must be whole numbers; the entry at {index} is {array[index]}")
     return array
+
+
+def as_single_precision(values: np.ndarray) -> np.ndarray:
+    """As float32; infinite where that type has no such number."""
+    with np.errstate(over="ignore"):
+        return values.astype(np.float32)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from spheroseg.arrays import as_single_precision
+
 _PLY_TYPES = {"f4": "float", "f8": "double", "i4": "int", "u1": "uchar", "u2": "ushort"}
 
 
@@ -24,8 +26,7 @@ def ply_bytes(
     (F, 3), indices in [0, V). A property is an array with one entry per vertex or face.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
-    with np.errstate(over="ignore"):
-        single = vertices.astype(np.float32)
+    single = as_single_precision(vertices)
     position = single if np.array_equal(single, vertices) else vertices
     vertex_columns = {axis: position[:, i] for i, axis in enumerate("xyz")}
     vertex_columns |= vertex_properties or {}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from spheroseg.arrays import as_faces, as_labels, as_vertices
+from spheroseg.arrays import as_faces, as_labels, as_single_precision, as_vertices
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 
@@ -88,14 +88,12 @@ def split_into_submeshes(
     owner, source_vertices = np.divmod(unique, vertex_count)
     vertex_starts = _starts(owner, submesh_count)
     local = local.reshape(-1, 3) - vertex_starts[labels][:, None]
-    with np.errstate(over="ignore"):
-        positions = vertices[source_vertices].astype(np.float32)
     short = np.diff(vertex_starts).max() <= MAX_SHORT_VERTICES
     neighbour_starts, neighbours, shared_edges = _adjacency(faces, labels, submesh_count)
     return SubMeshes(
         vertex_starts=vertex_starts,
         source_vertices=source_vertices.astype(np.int32),
-        positions=positions,
+        positions=as_single_precision(vertices[source_vertices]),
         on_boundary=np.bincount(source_vertices, minlength=vertex_count)[source_vertices] > 1,
         triangle_starts=triangle_starts,
         source_triangles=source_triangles,
