@@ -64,6 +64,7 @@ void add_sphere_layer(NewLayers& layers,
     MeshModel& layer = layers.add(layer_name(model, "(sphere)"));
     layer.cm = model.cm;
     layer.updateDataMask(&model);
+    copy_texture_images(model, layer);
     write_sphere_positions(layer.cm, host, positions);
     move_vertices(layer.cm, host, positions);
 }

@@ -18,6 +18,12 @@ QString layer_name(const MeshModel& source, const QString& part) {
     return (QFileInfo(source.label()).completeBaseName() + " " + part).trimmed();
 }
 
+void copy_texture_images(const MeshModel& source, MeshModel& layer) {
+    for (const auto& [name, image] : source.getTextures()) {
+        layer.addTexture(name, image); // shares the pixels
+    }
+}
+
 namespace {
 
 using Allocator = vcg::tri::Allocator<CMeshO>;
@@ -183,6 +189,7 @@ int generate_submesh_layers(MeshDocument& document,
         MeshModel& layer = layers.add(layer_name(source, QString::number(label)));
         layer.updateDataMask(source.dataMask() & ~kNotCopied);
         fill_layer(source.cm, host, collector, part, layer.cm);
+        copy_texture_images(source, layer);
         collector.forget(part);
         begin = end;
     }

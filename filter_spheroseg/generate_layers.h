@@ -17,8 +17,12 @@ inline constexpr const char* kSourceFace = "source_face";
 /// extension, because MeshLab's list of layers shows a label only up to its first dot.
 QString layer_name(const MeshModel& source, const QString& part);
 
+/// Gives the images of the source's textures to a layer that has their names already: MeshLab can
+/// not save a layer without them.
+void copy_texture_images(const MeshModel& source, MeshModel& layer);
+
 /// Adds a layer for each label that has faces, in the order of the labels: its faces and their
-/// vertices with all attributes, texture names and the transformation of `source`, normals
+/// vertices with all attributes, the textures and the transformation of `source`, normals
 /// included. `labels` has one entry per face of `host`, which was read from `source`. `source`
 /// stays the current mesh and is not changed. Returns the number of layers. When memory runs out
 /// the layers made so far are removed again. O(F log F + V). Throws InvalidInput when a face uses a

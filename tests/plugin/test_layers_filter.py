@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The filter that makes a layer for each sub-mesh."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pymeshlab
 import pytest
 from host_meshes import (
+    PARAMETRIZATION,
     SEGMENTATION,
     document,
     ellipsoid,
@@ -117,6 +121,29 @@ def test_attributes_of_vertices_and_faces_are_kept():
             assert np.array_equal(kept, original[source_vertex])
         for kept, original in zip(per_face(layer), of_faces, strict=True):
             assert np.array_equal(kept, original[source_face])
+
+
+def test_textures_of_new_layers_are_saved_with_them(tmp_path):
+    vertices, faces = bumpy_sphere(2, 0)
+    samples = Path(pymeshlab.__file__).parent / "tests" / "sample_meshes"
+    shutil.copy(samples / "TextureDouble_A.png", tmp_path / "bricks.png")
+    (tmp_path / "wall.mtl").write_text("newmtl wall\nmap_Kd bricks.png\n")
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices]
+    lines += ["mtllib wall.mtl", "usemtl wall", "vt 0 0", "vt 1 0", "vt 0 1"]
+    lines += [f"f {a}/1 {b}/2 {c}/3" for a, b, c in np.asarray(faces) + 1]
+    (tmp_path / "sphere.obj").write_text("\n".join(lines))
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(tmp_path / "sphere.obj"))
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=2)
+    mesh_set.apply_filter(LAYERS)
+    mesh_set.apply_filter(PARAMETRIZATION, new_layer=True)
+    images = []
+    for index in range(4):
+        (tmp_path / str(index)).mkdir()
+        mesh_set.set_current_mesh(index)
+        mesh_set.save_current_mesh(str(tmp_path / str(index) / "layer.obj"))
+        images.append((tmp_path / str(index) / "bricks.png").read_bytes())
+    assert images == 4 * images[:1]
 
 
 def test_source_stays_current_and_unchanged():
