@@ -95,13 +95,7 @@ if [ ! -L "$venv" ]; then
     # The package runs from the checkout: no second installation that could grow stale.
     site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
     echo "$root/python" >"$site/spheroseg-checkout.pth"
-    cat >"$venv/bin/spheroseg" <<END
-#!$venv/bin/python
-import sys
-from spheroseg.cli import main
-sys.exit(main())
-END
-    chmod +x "$venv/bin/spheroseg"
+    install -m 755 "$root/scripts/spheroseg.sh" "$venv/bin/spheroseg"
 fi
 
 "$root/scripts/fetch_meshlab_headers.sh" >/dev/null

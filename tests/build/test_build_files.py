@@ -79,6 +79,18 @@ def test_set_up_on_a_system_without_apt_names_the_packages(tmp_path):
         assert package in done.stderr
 
 
+def test_the_command_runs_where_the_path_has_a_blank(tmp_path):
+    folder = tmp_path / "my checkout" / "bin"
+    folder.mkdir(parents=True)
+    (folder / "python").write_text('#!/bin/sh\necho "$@"\n')
+    (folder / "python").chmod(0o755)
+    command = shutil.copy(ROOT / "scripts" / "spheroseg.sh", folder / "spheroseg")
+    Path(command).chmod(0o755)
+    (tmp_path / "link").symlink_to(command)
+    done = run(tmp_path / "link", "measure", "a mesh.ply")
+    assert done.stdout == "-P -m spheroseg measure a mesh.ply\n"
+
+
 def test_set_up_rejects_an_unknown_level():
     done = run(ROOT / "scripts" / "setup.sh", "everything")
     assert done.returncode == 2
