@@ -11,6 +11,7 @@ import shlex
 import sys
 from pathlib import Path
 
+from spheroseg import api
 from spheroseg.batch import inputs
 from spheroseg.commands import shared
 from spheroseg.errors import InputError
@@ -90,6 +91,9 @@ def _plan(arguments) -> runner.Plan:
         raise InputError(f"--seed must be 0 or more, got {arguments.seed}")
     if arguments.seeds < 1:
         raise InputError(f"--seeds must be 1 or more, got {arguments.seeds}")
+    api.segment_parameters(
+        {"submesh_count": max(counts), "seed": arguments.seed + arguments.seeds - 1}
+    )
     names = tuple(dict.fromkeys(methods.chosen(arguments.methods)))
     return runner.Plan(counts, names, arguments.seed, arguments.seeds, arguments.all_pairs_limit)
 
