@@ -210,6 +210,30 @@ def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
     assert {row["submesh_count"] for row in rows(output)} == {"6"}
 
 
+def test_resume_with_other_formats_leaves_nothing_that_contradicts_it(tmp_path):
+    output = tmp_path / "out"
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output)]
+    assert main([*arguments, "-k", "4", "--formats", "ply,npy"]) == 0
+    (tmp_path / "in" / "b.ply").unlink()
+    (output / "a.txt").write_text("of somebody else")
+    arguments += ["-k", "3", "--formats", "npy", "--manifest", "parquet", "--resume"]
+    assert main(arguments) == 0
+    assert {path.name for path in output.iterdir() if path.is_file()} == {
+        "a.npy",
+        "a.txt",
+        "b.npy",
+        "b.ply",
+        "manifest.parquet",
+        "timings.csv",
+    }
+    # A result that has become an input is kept.
+    arguments = ["batch", str(output / "b.ply"), "-o", str(output), "--formats", "npy", "--resume"]
+    assert main([*arguments, "-k", "5"]) == 0
+    assert (output / "b.ply").is_file()
+
+
 def test_resume_does_again_what_another_plugin_did(tmp_path, monkeypatch):
     write_mesh(tmp_path / "a.ply")
     monkeypatch.setenv("SPHEROSEG_PLUGIN", shutil.copy(spheroseg.plugin_path(), tmp_path))
@@ -797,8 +821,10 @@ def test_a_batch_of_meshes_of_one_name_can_be_resumed(tmp_path):
     ("content", "message"),
     [
         ("file\na.ply\n", "must have a column 'mesh', but has file"),
-        ("mesh,k\na.ply,0\n", "line 2: expected a whole number above 0, found '0'"),
+        ("mesh,k\na.ply,0\n", "line 2: expected a whole number from 1 to 2147483647, found '0'"),
+        ("mesh,k\na.ply,2147483648\n", "found '2147483648'"),
         ("mesh,k\na.ply,many\n", "found 'many'"),
+        ("mesh,k,submesh_count\na.ply,4,5\n", "has columns submesh_count and k; leave one out"),
         ("mesh\n", "names no mesh file"),
     ],
 )
@@ -818,6 +844,13 @@ def test_blanks_after_the_commas_of_a_csv_mean_nothing(tmp_path):
         ("b.ply", 7),
         ("c.ply", None),
     ]
+
+
+def test_a_file_of_two_spellings_is_one_mesh(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    (tmp_path / "sub").mkdir()
+    spellings = [tmp_path / "a.ply", tmp_path / "sub" / ".." / "a.ply"]
+    assert len(inputs.collect(list(map(str, spellings)))) == 1
 
 
 def test_two_files_for_one_result_are_refused(tmp_path):

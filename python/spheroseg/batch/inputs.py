@@ -15,6 +15,7 @@ from spheroseg.file_checks import check_is_file, check_name
 
 MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
 _COUNT_COLUMNS = ("submesh_count", "k")
+_MOST_SUBMESHES = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -53,8 +54,13 @@ def collect(inputs: list[str], output: Path | None = None, *, resume: bool = Fal
             raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
         for source in found:
             check_name(source.mesh.absolute())
-            sources.setdefault((source.mesh.absolute(), source.submesh_count), source)
+            sources.setdefault((_place(source.mesh), source.submesh_count), source)
     return _with_unique_names(list(sources.values()))
+
+
+def _place(mesh: Path) -> Path:
+    """The same for all spellings of a path."""
+    return mesh.parent.resolve() / mesh.name if ".." in mesh.parts else mesh.absolute()
 
 
 def _expand(text: str, results: _Results | None):
@@ -102,7 +108,10 @@ def _csv_rows(path: Path):
         columns = reader.fieldnames = [name.strip() for name in reader.fieldnames or []]
         if "mesh" not in columns:
             raise InputError(f"{path}: must have a column 'mesh', but has {', '.join(columns)}")
-        count_column = next((name for name in _COUNT_COLUMNS if name in columns), None)
+        count_columns = [name for name in _COUNT_COLUMNS if name in columns]
+        if len(count_columns) > 1:
+            raise InputError(f"{path}: has columns {' and '.join(count_columns)}; leave one out")
+        count_column = count_columns[0] if count_columns else None
         for row in reader:
             count = _count(path, reader.line_num, row.get(count_column) if count_column else None)
             if not (row["mesh"] or "").strip() or "\0" in row["mesh"]:
@@ -119,8 +128,11 @@ def _count(path: Path, line: int, text: str | None) -> int | None:
         count = int(text)
     except ValueError:
         count = 0
-    if count < 1:
-        raise InputError(f"{path}: line {line}: expected a whole number above 0, found '{text}'")
+    if not 1 <= count <= _MOST_SUBMESHES:
+        raise InputError(
+            f"{path}: line {line}: expected a whole number from 1 to {_MOST_SUBMESHES}, found "
+            f"'{text}'"
+        )
     return count
 
 

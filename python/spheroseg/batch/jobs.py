@@ -15,6 +15,7 @@ from typing import Any
 
 from spheroseg import __version__, atomic, plugin_path, workers
 
+FORMATS = (".ply", ".npy", ".npz", ".glb")
 RECORD_FOLDER = ".records"
 _RESULT_LIST = ".results"
 DISK_FULL_EXIT = 4
@@ -82,6 +83,15 @@ def finished_record(job: Job) -> dict[str, Any] | None:
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None  # no such record, or a damaged one
     return record
+
+
+def remove_outdated(job: Job) -> None:
+    """Removes what an earlier run, with other formats, made of the job's mesh."""
+    known = known_results(Path(job.folder))
+    for suffix in set(FORMATS) - set(job.formats):
+        path = job.output_path(suffix)
+        if f"{job.name}{suffix}" in known and path.exists() and not path.samefile(job.mesh):
+            path.unlink()
 
 
 def is_of_success(path: Path) -> bool:

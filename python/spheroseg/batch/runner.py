@@ -268,6 +268,8 @@ def write_manifest(folder: Path, records: list[Record], form: str) -> Path:
     """
     rows = [_row(record) for record in records]
     path = folder / f"{MANIFEST_STEM}.{form}"
+    for other in set(MANIFEST_FORMS) - {form}:
+        (folder / f"{MANIFEST_STEM}.{other}").unlink(missing_ok=True)  # of an earlier run
     if form == "parquet":
         atomic.write_bytes(path, _parquet_bytes(rows))
     else:

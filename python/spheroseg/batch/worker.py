@@ -17,7 +17,15 @@ from pathlib import Path
 import numpy as np
 
 from spheroseg import api, atomic, mesh_files
-from spheroseg.batch.jobs import DISK_FULL_EXIT, INTERRUPTED_EXIT, Job, sha256, store, versions
+from spheroseg.batch.jobs import (
+    DISK_FULL_EXIT,
+    INTERRUPTED_EXIT,
+    Job,
+    remove_outdated,
+    sha256,
+    store,
+    versions,
+)
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.file_checks import check_is_file
@@ -32,7 +40,9 @@ def main() -> int:
     job = Job(**json.load(sys.stdin))
     try:
         _check_versions(job)
-        store(job, _record(job))
+        record = _record(job)
+        remove_outdated(job)
+        store(job, record)
     except atomic.DiskFullError as error:
         print(error.strerror, file=sys.stderr)
         return DISK_FULL_EXIT

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from spheroseg import api, atomic
 from spheroseg.batch import inputs, runner
-from spheroseg.batch.jobs import Job, versions
+from spheroseg.batch.jobs import FORMATS, Job, versions
 from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.cores import core_count
@@ -20,7 +20,6 @@ from spheroseg.export import gltf_library
 from spheroseg.packages import require
 from spheroseg.progress import MeshProgress
 
-FORMATS = ("ply", "npy", "npz", "glb")
 # Of the filter; given here so that the manifest tells of them.
 _DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0, "balance": "triangle_count"}
 _LEAST = {
@@ -100,8 +99,9 @@ def _jobs(arguments) -> tuple[list[Job], int]:
     threads = options.pop("thread_count", None)
     formats = tuple(f".{name}" for name in _formats(arguments))
     for name in formats:
-        if name[1:] not in FORMATS:
-            raise InputError(f"--formats knows {', '.join(FORMATS)}, but not '{name[1:]}'")
+        if name not in FORMATS:
+            known = ", ".join(form[1:] for form in FORMATS)
+            raise InputError(f"--formats knows {known}, but not '{name[1:]}'")
     sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
     # Several meshes at a time use the cores better than several threads on one mesh.
     workers = min(arguments.workers or core_count(), len(sources))
