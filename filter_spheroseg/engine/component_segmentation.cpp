@@ -148,13 +148,12 @@ private:
     void share_out(const std::vector<int>& face_counts, int submesh_count) {
         if (options_.balance == Balance::weight) {
             weights_ = weights_of(options_, prepared_.mesh());
-            // What lies above the ideal load can not be shared.
-            const double ideal = ideal_load(weights_, submesh_count);
+            const std::vector<double> shares = load_shares(weights_, submesh_count);
             std::vector<double> sums;
             for (const Component& component : *components_) {
                 double sum = 0.0;
-                for (int f = 0; f < component.face_count() && ideal > 0.0; ++f) {
-                    sum += std::min(weights_[component.mesh_face(f)] / ideal, 1.0);
+                for (int f = 0; f < component.face_count(); ++f) {
+                    sum += shares[component.mesh_face(f)];
                 }
                 sums.push_back(sum);
             }

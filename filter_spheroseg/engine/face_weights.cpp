@@ -72,7 +72,7 @@ std::vector<double> weights_of(const SegmentOptions& options, const TriangleMesh
     return options.face_weights.empty() ? face_areas(mesh) : options.face_weights;
 }
 
-double ideal_load(const std::vector<double>& weights, int submesh_count) {
+double ideal_over_heaviest(const std::vector<double>& weights, int submesh_count) {
     std::vector<double> sorted = weights;
     std::sort(sorted.begin(), sorted.end(), std::greater<>());
     const double largest = sorted.front();
@@ -80,7 +80,6 @@ double ideal_load(const std::vector<double>& weights, int submesh_count) {
         return 0.0;
     }
     // Sums from the lightest on: subtracting a heavy weight would leave only its rounding error.
-    // Scaled, so that huge weights do not overflow.
     std::vector<double> rest(sorted.size() + 1, 0.0);
     for (std::size_t i = sorted.size(); i > 0; --i) {
         rest[i - 1] = rest[i] + sorted[i - 1] / largest;
@@ -88,19 +87,31 @@ double ideal_load(const std::vector<double>& weights, int submesh_count) {
     for (int alone = 0; alone < submesh_count; ++alone) {
         const double load = rest[alone] / (submesh_count - alone);
         if (sorted[alone] / largest <= load) {
-            return load * largest;
+            return load;
         }
     }
     return 0.0;
 }
 
+std::vector<double> load_shares(const std::vector<double>& weights, int submesh_count) {
+    const double heaviest = *std::max_element(weights.begin(), weights.end());
+    const double ideal = ideal_over_heaviest(weights, submesh_count);
+    std::vector<double> shares;
+    shares.reserve(weights.size());
+    for (double weight : weights) {
+        const double part = weight > 0.0 ? weight / heaviest : 0.0;
+        const double whole = weight > 0.0 ? 1.0 : 0.0;
+        shares.push_back(part < ideal ? part / ideal : whole);
+    }
+    return shares;
+}
+
 std::vector<int> quantized_weights(const std::vector<double>& weights, int submesh_count) {
-    const double ideal = ideal_load(weights, submesh_count);
     const double units_per_submesh = kUnits / submesh_count;
-    std::vector<int> quantized(weights.size(), 1);
-    for (std::size_t f = 0; f < weights.size() && ideal > 0.0; ++f) {
-        const double share = std::min(weights[f] / ideal, 1.0);
-        quantized[f] = std::max(1, static_cast<int>(std::lround(share * units_per_submesh)));
+    std::vector<int> quantized;
+    quantized.reserve(weights.size());
+    for (double share : load_shares(weights, submesh_count)) {
+        quantized.push_back(std::max(1, static_cast<int>(std::lround(share * units_per_submesh))));
     }
     return quantized;
 }

@@ -17,13 +17,18 @@ std::vector<double> weights_of(const SegmentOptions& options, const TriangleMesh
 
 /// The load that the sub-meshes of a surface would have if it could be cut anywhere but through
 /// faces: T with k T = sum of min(weight, T). A face that weighs T or more fills a sub-mesh alone,
-/// and the others share the rest. 0 when fewer than k faces weigh anything. O(F log F).
-double ideal_load(const std::vector<double>& weights, int submesh_count);
+/// and the others share the rest. T over the heaviest weight, so that huge weights do not overflow;
+/// 0 when fewer than k faces weigh anything. O(F log F).
+double ideal_over_heaviest(const std::vector<double>& weights, int submesh_count);
 
-/// Weights as whole numbers >= 1 whose sum is below 2^30: min(weight, T) with T = ideal_load, in
-/// units of kT / 2^29, rounded; a zero counts as one unit. The load of n faces is off by at most n
-/// units, which is n k / 2^29 of the ideal load. Weights above T are cut to T because more would
+/// The part of the ideal load T that each face makes: min(weight, T) / T. Where fewer than k faces
+/// weigh anything, each of these fills a sub-mesh. Weights above T are cut to T because more would
 /// only pull the others' mean away from what they can reach.
+std::vector<double> load_shares(const std::vector<double>& weights, int submesh_count);
+
+/// Weights as whole numbers >= 1 whose sum is below 2^30: the shares of the ideal load in units of
+/// k / 2^29 of it, rounded; a zero counts as one unit. The load of n faces is off by at most n
+/// units.
 std::vector<int> quantized_weights(const std::vector<double>& weights, int submesh_count);
 
 /// Heaviest sub-mesh over mean load; 1 when all weigh the same.

@@ -3,6 +3,7 @@
 
 #include "component.h"
 #include "random.h"
+#include "warm_start.h"
 
 #include "../fuzz/recount.h"
 #include "test_meshes.h"
@@ -277,6 +278,24 @@ TEST(General, WhatCanNotBeBalancedIsMeasuredTruthfully) {
     EXPECT_EQ(result.best_max_triangle_count_difference, 0);
     EXPECT_EQ(result.measures.max_triangle_count_difference, 2);
     EXPECT_EQ(result.measures.disconnected_submesh_count, 0);
+    // Halves of which one is in two pieces are no better.
+    options.initial_labels = {0, 0, 1, 1};
+    EXPECT_EQ(segment(prepared, options).measures.disconnected_submesh_count, 0);
+}
+
+TEST(General, AComponentBesideASmallOneIsCutAsItIsAlone) {
+    TriangleMesh mesh = icosphere(2);
+    PreparedMesh alone(mesh);
+    append(mesh, octahedron());
+    PreparedMesh both(mesh);
+    SegmentOptions options;
+    options.submesh_count = 16;
+    const Segmentation expected = segment(alone, options);
+    options.submesh_count = 17;
+    const Segmentation result = segment(both, options);
+    // 20 faces each, and 8.
+    EXPECT_EQ(result.measures.max_triangle_count_difference, 12);
+    EXPECT_EQ(result.measures.boundary_edge_count, expected.measures.boundary_edge_count);
 }
 
 TEST(General, SharesThatABranchCanNotTakeAreChanged) {
@@ -327,6 +346,26 @@ TEST(General, SharesThatATreeCanNotTakeAreSearchedFor) {
     EXPECT_EQ(recount.max_triangle_count_difference, 8);
     EXPECT_EQ(recount.disconnected_submesh_count, 0);
     EXPECT_EQ(recount.bowtie_count, 0);
+
+    // Of labels that are nearly those, as many faces as can keep their number.
+    options.initial_labels = result.labels;
+    for (int& label : options.initial_labels) {
+        label = 8 - label;
+    }
+    for (int f = 0; f < mesh.face_count(); f += 20) {
+        options.initial_labels[f] = (options.initial_labels[f] + 1) % 9;
+    }
+    const std::vector<int> again = segment(prepared, options).labels;
+    std::vector<int> renamed = again;
+    rename_like(renamed, options.initial_labels, 9);
+    const auto kept = [&](const std::vector<int>& labels) {
+        int count = 0;
+        for (std::size_t f = 0; f < labels.size(); ++f) {
+            count += labels[f] == options.initial_labels[f];
+        }
+        return count;
+    };
+    EXPECT_GE(kept(again), kept(renamed));
 }
 
 TEST(General, StagesOfComponentsSideBySideTakeNoMoreThanAllTheTime) {

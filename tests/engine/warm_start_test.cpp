@@ -130,6 +130,10 @@ TEST(WarmStart, RenamingKeepsTheLargestOverlaps) {
     rename_like(labels, {0, 0, 1, 1, 1, 0, 2}, 3);
     // Label 2 has two faces of name 0, label 0 two of name 1; 1 gets what is left.
     EXPECT_EQ(labels, (std::vector<int>{0, 0, 0, 1, 1, 2, 2}));
+    // Faces without a name count for none.
+    labels = {0, 1, 1, 0};
+    rename_like(labels, {-1, 0, 0, 1}, 2);
+    EXPECT_EQ(labels, (std::vector<int>{1, 0, 0, 1}));
 }
 
 TEST(WarmStart, HostileLabelsOnEveryMeshBecomeValid) {
@@ -247,7 +251,7 @@ TEST(WarmStart, NumbersAreKeptByOtherStartsAndByTheSearchToo) {
             };
             std::vector<int> renamed = result.labels;
             rename_like(renamed, options.initial_labels, result.measures.submesh_count);
-            EXPECT_EQ(kept(result.labels), kept(renamed)) << face_count << " faces, k " << k;
+            EXPECT_GE(kept(result.labels), kept(renamed)) << face_count << " faces, k " << k;
         }
     }
 }
