@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace spheroseg {
 namespace {
 
@@ -33,6 +35,39 @@ TEST(Balance, ExactBalanceOfTwoOrThreeFacesEachNeedsNoAnnealing) {
             Patchwork patchwork = ragged_patchwork(levels, k, seed);
             EXPECT_TRUE(balance_exactly(patchwork, 1000 * face_count)) << k << ", seed " << seed;
             EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
+        }
+    }
+}
+
+/// Sum of what the sub-meshes have too many or too few.
+int imbalance(const Patchwork& patchwork) {
+    const int floor = patchwork.face_count() / patchwork.submesh_count();
+    const int ceiling = floor + (patchwork.face_count() % patchwork.submesh_count() != 0);
+    int sum = 0;
+    for (int load : patchwork.load) {
+        sum += std::max({0, load - ceiling, floor - load});
+    }
+    return sum;
+}
+
+TEST(Balance, IsNeverFartherOffThanItWas) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        // Few of these can be balanced.
+        const Levels levels(seed % 2 == 0 ? sieve(displaced_sphere(3), 0.3, seed)
+                                          : random_tree(300, seed));
+        const int face_count = levels.mesh.face_count();
+        for (int k : {10, 25, 100}) {
+            if (3 * k > face_count) {
+                continue;
+            }
+            Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
+            bisect(patchwork, k, seed, 1);
+            repair(patchwork);
+            const int before = imbalance(patchwork);
+            const bool balanced = balance_exactly(patchwork, 100 * face_count);
+            EXPECT_LE(imbalance(patchwork), before) << k << ", seed " << seed;
+            EXPECT_EQ(imbalance(patchwork) == 0, balanced) << k << ", seed " << seed;
+            EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k << ", seed " << seed;
         }
     }
 }

@@ -188,6 +188,22 @@ TEST(Measures, ARingAroundATubeIsConnectedButNoDisk) {
     EXPECT_EQ(m.submesh_triangles, (std::vector<int>{6, 24, 6}));
 }
 
+TEST(Measures, AProjectivePlaneHasTheEulerCharacteristicOfADiskAndIsNone) {
+    // Six vertices, each pair of them an edge.
+    TriangleMesh mesh;
+    mesh.positions.resize(6);
+    for (int i = 0; i < 5; ++i) {
+        const auto rim = [&](int step) { return 1 + (i + step) % 5; };
+        mesh.faces.push_back({0, rim(0), rim(1)});
+        mesh.faces.push_back({rim(0), rim(1), rim(3)});
+    }
+    const Measures m = measure_labels(mesh, std::vector<int>(10, 0), 1);
+    EXPECT_EQ(m.boundary_edge_count, 0);
+    EXPECT_EQ(m.bowtie_count, 0);
+    EXPECT_EQ(m.disconnected_submesh_count, 0);
+    EXPECT_EQ(m.disk_count, 0);
+}
+
 TEST(Measures, OpenBorderEdgesDoNotCountAsBoundaryEdges) {
     const TriangleMesh mesh = open_grid(1);
     const Measures whole = measure_labels(mesh, {0, 0}, 1);

@@ -178,6 +178,15 @@ TEST(Validity, NonFiniteCoordinatesAreNamed) {
     expect_defect(r, "2 vertices with a NaN or infinite coordinate (first: vertex 3)", "Delete");
 }
 
+TEST(Validity, TheFirstFaceIsTheLowestWhateverItsVertices) {
+    TriangleMesh mesh;
+    mesh.positions.resize(6);
+    mesh.faces = {{3, 4, 5}, {0, 1, 2}};
+    EXPECT_EQ(report_of(mesh).first_boundary_face, 0);
+    mesh.faces = {{3, 4, 5}, {0, 1, 2}, {3, 4, 5}, {0, 1, 2}};
+    EXPECT_EQ(report_of(mesh).first_duplicate_face, 2);
+}
+
 TEST(Validity, IndicesOutOfRangeAreAnError) {
     TriangleMesh mesh = tetrahedron();
     mesh.faces[2][1] = 9;

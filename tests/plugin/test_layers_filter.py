@@ -155,6 +155,17 @@ def test_source_stays_current_and_unchanged():
     assert state(mesh_set) == before
 
 
+def test_the_place_of_the_mesh_is_kept_but_not_its_selection():
+    mesh_set = labelled([0, 0, 0, 0, 1, 1, 1, 1])
+    mesh_set.compute_matrix_from_translation(axisx=5, freeze=False)
+    mesh_set.set_selection_all()
+    mesh_set.apply_filter(LAYERS)
+    for layer in layers(mesh_set):
+        assert layer.transform_matrix()[:, 3].tolist() == [5, 0, 0, 1]
+        assert layer.selected_face_number() == 0
+        assert layer.selected_vertex_number() == 0
+
+
 def test_a_label_without_faces_gets_no_layer():
     mesh_set = labelled([0, 0, 0, 0, 7, 7, 7, 7])
     assert mesh_set.apply_filter(LAYERS) == {"layer_count": 2}

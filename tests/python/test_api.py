@@ -264,6 +264,10 @@ BAD_OPTIONS = [
     ({"time_limit_seconds": -0.5}, r"time_limit_seconds.*-0.5"),
     ({"time_limit_seconds": float("nan")}, r"time_limit_seconds must be finite, got nan"),
     ({"weight_attribute": "w"}, r"weight_attribute='w' needs balance='weight'"),
+    (
+        {"balance": "weight", "face_weights": np.ones(12), "weight_attribute": "w"},
+        r"either weights for the faces or weight_attribute, not both",
+    ),
     ({"colours": 3}, r"no option 'colours'; it has submesh_count"),
 ]
 

@@ -458,6 +458,14 @@ def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
         assert len(glb_colours(output / f"{name}.glb") - ply_colours(output / f"{name}.ply")) == 0
 
 
+def test_a_count_of_a_csv_comes_before_triangles_per_submesh(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    (tmp_path / "list.csv").write_text("mesh,k\na.ply,3\n")
+    arguments = ["batch", str(tmp_path / "list.csv"), "-o", str(tmp_path / "out")]
+    assert main([*arguments, "--triangles-per-submesh", "10"]) == 0
+    assert [row["submesh_count"] for row in rows(tmp_path / "out")] == ["3"]
+
+
 def test_manifest_tells_what_was_balanced_and_how_well(tmp_path):
     vertices, faces = bumpy_sphere(2, 0)
     two = np.vstack([vertices, vertices + 9]), np.vstack([faces, faces + len(vertices)])
@@ -851,6 +859,12 @@ def test_a_file_of_two_spellings_is_one_mesh(tmp_path):
     (tmp_path / "sub").mkdir()
     spellings = [tmp_path / "a.ply", tmp_path / "sub" / ".." / "a.ply"]
     assert len(inputs.collect(list(map(str, spellings)))) == 1
+
+
+def test_a_csv_may_begin_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "list.csv"
+    path.write_text("mesh,k\na.ply,10\n", encoding="utf-8-sig")
+    assert [source.submesh_count for source in inputs.collect([str(path)])] == [10]
 
 
 def test_two_files_for_one_result_are_refused(tmp_path):

@@ -134,6 +134,7 @@ OFF_FACES = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
 OFF_TETRAHEDRON = "OFF\n4 4 6\n" + OFF_VERTICES + OFF_FACES
 COLORED = OFF_VERTICES.replace("\n", " 255 0 0\n")
 NORMAL = OFF_VERTICES.replace("\n", " 0 0 1\n")
+TEXTURED = OFF_VERTICES.replace("\n", " 0 1\n")
 
 
 @pytest.mark.parametrize(
@@ -149,6 +150,7 @@ NORMAL = OFF_VERTICES.replace("\n", " 0 0 1\n")
         OFF_TETRAHEDRON.replace("3 0 2 1", "3 0 2 1 255 0 0").replace("4 4 6", "4 4 6 # counts"),
         OFF_TETRAHEDRON.replace(OFF_VERTICES, COLORED).replace("OFF", "COFF"),
         OFF_TETRAHEDRON.replace(OFF_VERTICES, NORMAL).replace("OFF", "NOFF"),
+        OFF_TETRAHEDRON.replace(OFF_VERTICES, TEXTURED).replace("OFF", "STOFF"),
     ],
 )
 def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
@@ -227,6 +229,7 @@ def test_an_obj_index_of_something_that_is_not_there_is_refused(outcome, lines, 
     "face",
     [
         "f -3 -1 -2",
+        "f +2 +4 +3",
         "  f\t2  4\t3  ",
         "f 2 \\\n4 \\\n3",
         "f 2/9 4/9 3/9",
@@ -314,6 +317,23 @@ def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
     assert " of the 5" in result[1]
 
 
+@pytest.mark.parametrize("order", ["big", "little"])
+def test_lengths_of_ply_lists_are_read_in_the_files_order(tmp_path, order):
+    # Of 16 bits, with a long face, so that neither is like any other reading of it.
+    corners = 2 * np.pi * np.arange(140) / 140
+    vertices = np.stack((np.cos(corners), np.sin(corners), 0 * corners), axis=1)
+    content = polygon_bytes(f"{order}.ply", vertices, [list(range(140))])
+    sign = ">" if order == "big" else "<"
+    path = tmp_path / "mesh.ply"
+    path.write_bytes(content)
+    assert file_checks.checked_triangle_count(path) == 138
+    short = struct.pack(f"{sign}H", 140)
+    content = content.replace(b"list uchar", b"list ushort")
+    content = content.replace(b"\x07\x8c", b"\x07" + short)
+    path.write_bytes(content)
+    assert file_checks.checked_triangle_count(path) == 138
+
+
 def test_big_endian_doubles_are_refused(outcome):
     # PyMeshLab does not turn their bytes round.
     content = polygon_bytes("big.ply", *grid(3)).replace(b"float z", b"double z")
@@ -341,6 +361,11 @@ def test_stl_facets_that_can_not_be_used_are_refused(outcome, whole, number):
         result = outcome(name, content)
         assert_refused(result)
         assert "1 of the 12" in result[1]
+
+
+def test_an_stl_with_bytes_behind_its_facets_is_read(outcome, whole):
+    assert max(whole["stl"][80:]) >= 128  # so PyMeshLab does not take it for text
+    assert outcome("stl", whole["stl"] + bytes(10)) == (0, "")
 
 
 def test_a_text_stl_needs_its_last_line(outcome, whole):
@@ -422,6 +447,14 @@ def test_a_ply_header_that_declares_too_much_costs_no_memory(outcome, whole, nam
     result = outcome(name, content)
     assert_refused(result)
     assert f"declares {count:,}" in result[1]
+
+
+def test_the_faces_of_a_ply_need_room_behind_its_vertices(outcome):
+    # 81 vertices of 12 bytes, and 1162 bytes for faces of 2 bytes or more.
+    content = polygon_bytes("little.ply", *grid(9))
+    result = outcome("ply", content.replace(b"element face 65", b"element face 800"))
+    assert_refused(result)
+    assert "declares 800 faces" in result[1]
 
 
 @pytest.mark.parametrize("count", [*HUGE_COUNTS, -5])

@@ -106,11 +106,14 @@ def test_a_mismatch_names_both_values_and_copies_nothing(tmp_path, release, scal
     assert not list(tmp_path.glob("home/**/*.so"))
 
 
-def test_a_folder_of_extra_plugins_tells_its_release(tmp_path):
+def test_a_folder_of_extra_plugins_tells_its_release(tmp_path, monkeypatch):
     folder = user_folder(tmp_path, release="2022.02")
     folder.mkdir(parents=True)
-    with pytest.raises(PluginError, match=r"2025\.07.*2022\.02"):
-        install.install_plugin(folder, plugin=make_plugin(tmp_path / "build"))
+    plugin = make_plugin(tmp_path / "build")
+    monkeypatch.chdir(folder)
+    for directory in (folder, "."):
+        with pytest.raises(PluginError, match=r"2025\.07.*2022\.02"):
+            install.install_plugin(directory, plugin=plugin)
 
 
 def test_a_bare_folder_is_taken_at_its_word(tmp_path):

@@ -7,6 +7,7 @@ import pty
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from mesh_paths import REPOSITORY, SAMPLE_FOLDER
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
-from spheroseg.batch import jobs
+from spheroseg.batch import jobs, runner
 from spheroseg.ply import ply_bytes
 
 PATHS = [REPOSITORY / folder for folder in ("python", "tests/plugin", "tests/python")]
@@ -233,6 +234,27 @@ worker.Job = dict
 worker._check_versions = interrupted_twice
 sys.exit(worker.main())
 """
+
+
+def test_an_interrupt_between_two_results_of_a_batch_ends_what_runs(monkeypatch):
+    began, ended = threading.Event(), threading.Event()
+
+    def run_job(job):
+        if job.name == "slow":
+            began.set()
+            ended.wait(20)
+        return {"name": job.name, "status": "done"}
+
+    def interrupt(record):
+        assert began.wait(20)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "run_job", run_job)
+    monkeypatch.setattr(runner, "signal_running", lambda number: ended.set())
+    both = [jobs.Job("a.ply", name, "out", {}, (), {}) for name in ("quick", "slow")]
+    with pytest.raises(KeyboardInterrupt):
+        runner.run_all(both, interrupt, resume=False, worker_count=2)
+    assert ended.is_set()
 
 
 def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():

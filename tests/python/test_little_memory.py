@@ -34,7 +34,7 @@ def run_within(extra_bytes, mesh_set):
         resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
 
 def written(mesh_set):
-    mesh = mesh_set.mesh(0)
+    mesh = mesh_set.mesh(1)
     return {
         "layers": mesh_set.mesh_number(),
         "current": mesh_set.current_mesh_id(),
@@ -51,6 +51,7 @@ def sphere(mesh):
 
 def mesh_set_of(vertices, faces):
     mesh_set = pymeshlab.MeshSet()
+    mesh_set.create_cube()  # so that the current layer is not the first
     mesh_set.add_mesh(pymeshlab.Mesh(vertices, faces))
     return mesh_set
 

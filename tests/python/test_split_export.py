@@ -255,6 +255,15 @@ def test_glb_leaves_out_an_empty_submesh():
     assert [p["extras"]["submesh"] for p in document["meshes"][0]["primitives"]] == [0, 2]
 
 
+def test_glb_keeps_the_colours_where_the_last_submesh_is_empty():
+    pytest.importorskip("pygltflib")
+    vertices, faces = octahedron()
+    labels = np.array([0] * 4 + [1] * 4)
+    colours = np.array([[10, 200, 30], [40, 50, 60]], dtype=np.uint8)
+    submeshes = split_into_submeshes(vertices, faces, labels, 3)
+    assert glb_colours(glb_bytes(submeshes, colours[labels])) == colours.tolist()
+
+
 def test_normals_point_outwards_and_survive_a_degenerate_triangle():
     vertices, faces = octahedron()
     assert vertex_normals(vertices, faces) == pytest.approx(vertices)
@@ -396,12 +405,23 @@ def test_failed_write_leaves_the_old_file_and_no_temporary(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["result.txt"]
 
 
-def test_full_disk_is_said_with_the_file(tmp_path):
+def test_a_file_is_on_the_disk_before_it_takes_its_place(tmp_path, monkeypatch):
+    path = tmp_path / "result.txt"
+    synced = []
+    monkeypatch.setattr(
+        os, "fsync", lambda number: synced.append((os.fstat(number).st_size, path.exists()))
+    )
+    atomic.write_text(path, "whole")
+    assert synced == [(5, False)]
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
+def test_full_disk_is_said_with_the_file(tmp_path, number):
     with (
         pytest.raises(atomic.DiskFullError, match=r"no room left on the disk for .*result\.ply"),
         atomic.atomic_path(tmp_path / "result.ply"),
     ):
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise OSError(number, os.strerror(number))
 
 
 def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path):

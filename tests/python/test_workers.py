@@ -55,6 +55,17 @@ def test_what_libraries_print_is_no_result():
     assert outcomes([{"print": "METIS says"}, {"print": "{}"}]) == [("done", None)] * 2
 
 
+def test_half_a_line_of_a_process_that_has_ended_is_no_result(monkeypatch):
+    def start(module, stderr):
+        program = "print('{}'); print('{\"status\": \"do', end='')"
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": stderr}
+        return subprocess.Popen([sys.executable, "-c", program], **pipes, text=True)
+
+    monkeypatch.setattr(workers, "start", start)
+    ((_, result),) = workers.results("odd_worker", {}, [{}])
+    assert result == {"status": "failed", "error": "the process ended with exit code 0"}
+
+
 def test_a_job_that_can_not_be_prepared_is_an_error_with_its_reason():
     with pytest.raises(workers.WorkerError, match="^no such mesh$"):
         outcomes([{}], refuse="no such mesh")
@@ -76,6 +87,17 @@ def test_a_worker_ends_with_a_parent_that_is_killed(tmp_path):
     parent.kill()
     parent.wait()
     wait_for(lambda: not is_running(worker), seconds=5)
+
+
+def test_a_worker_whose_results_nobody_wants_any_more_is_ended(tmp_path):
+    mark = tmp_path / "mark"
+    found = workers.results("odd_worker", {}, [{}, {"sleep": 60, "mark": str(mark)}])
+    next(found)
+    wait_for(lambda: mark.exists() and mark.read_text())
+    began = time.monotonic()
+    found.close()
+    assert time.monotonic() - began < 30
+    assert not is_running(int(mark.read_text()))
 
 
 def is_running(process: int) -> bool:
