@@ -29,8 +29,7 @@ public:
     Bisection(const Patchwork& patchwork, std::uint64_t seed, int thread_count)
         : patchwork_(patchwork), seed_(seed), neighbors_(neighbor_table(patchwork, thread_count)),
           order_(patchwork.cells.size()), queue_(patchwork.cells.size()),
-          marks_(patchwork.cells.size() + 1, mark_of(0)) {
-        marks_.back() = kNowhere;
+          marks_(patchwork.cells.size(), mark_of(0)) {
         std::iota(order_.begin(), order_.end(), 0);
     }
 
@@ -93,8 +92,6 @@ public:
     }
 
 private:
-    static constexpr int kNowhere = -1;
-
     void cut_all_the_way(Part part) {
         while (part.count > 1) {
             const std::array<Part, 2> halves = cut_in_halves(part);
@@ -197,7 +194,6 @@ private:
     const std::vector<std::array<int, 3>> neighbors_;
     std::vector<int> order_;
     std::vector<int> queue_;
-    /// A last entry stands for what lies beyond open borders.
     std::vector<int> marks_;
 };
 

@@ -30,7 +30,7 @@ inline Budget budget_of(Effort effort) {
     Budget budget = {};
     switch (effort) {
     case Effort::draft:
-        budget.relaxations = 20;
+        budget.relaxations = 30;
         budget.first_proposals = 38.0;
         budget.small_first_proposals = 30.0;
         budget.level_proposals = 25.0;
@@ -42,7 +42,7 @@ inline Budget budget_of(Effort effort) {
         budget.level_phases = 6;
         break;
     case Effort::standard:
-        budget.relaxations = 24;
+        budget.relaxations = 48;
         budget.first_proposals = 90.0;
         budget.small_first_proposals = 62.0;
         budget.level_proposals = 52.0;

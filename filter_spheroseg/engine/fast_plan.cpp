@@ -23,7 +23,7 @@ constexpr std::int64_t kMoreRelaxations = 4;
 /// Microseconds of a proposal; and per face of a relaxation, of bringing labels to finer levels,
 /// and of what follows the exchanges.
 constexpr double kProposal = 0.1;
-constexpr double kRelaxation = 0.03;
+constexpr double kRelaxation = 0.02;
 constexpr double kUncoarsening = 0.1;
 constexpr double kFinish = 0.05;
 

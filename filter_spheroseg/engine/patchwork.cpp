@@ -71,7 +71,7 @@ std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int t
     for (int f = 0; f < face_count; ++f) {
         for (int c = 0; c < 3; ++c) {
             const int neighbor = patchwork.neighbor(f, c);
-            table[f][c] = neighbor < 0 ? face_count : neighbor;
+            table[f][c] = neighbor < 0 ? f : neighbor;
         }
     }
     return table;

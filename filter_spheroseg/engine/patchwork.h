@@ -76,7 +76,7 @@ double mean_load(const Patchwork& patchwork);
 
 double mean_face_weight(const Patchwork& patchwork);
 
-/// The neighbours of each face; face_count beyond open borders. What only walks over the faces
+/// The neighbours of each face; the face itself beyond open borders. What only walks over the faces
 /// reads less than half as much memory here as in the cells.
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count);
 

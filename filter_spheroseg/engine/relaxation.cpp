@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 
 namespace spheroseg {
@@ -41,15 +42,18 @@ public:
           workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
           offsets_(patchwork.submesh_count(), 0.0),
-          neighbors_(neighbor_table(patchwork, thread_count)), inside_(patchwork.cells.size() + 1),
-          keys_(patchwork.cells.size() + 1) {
+          neighbors_(neighbor_table(patchwork, thread_count)), labels_(cell_labels(patchwork)),
+          distances_(patchwork.cells.size(), 0), inside_(patchwork.cells.size()),
+          keys_(patchwork.cells.size()) {
+        for (std::atomic<Key>& key : keys_) {
+            key.store(kUnreached, std::memory_order_relaxed);
+        }
         mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
             std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
         for (int w = 0; w < static_cast<int>(workers_.size()); ++w) {
             Worker& worker = workers_[w];
-            worker.boundary.resize(workers_.size());
             worker.load.resize(patchwork.submesh_count());
             std::fill(worker_of_label_.begin() + begin_of(w, patchwork.submesh_count()),
                       worker_of_label_.begin() + begin_of(w + 1, patchwork.submesh_count()),
@@ -75,12 +79,21 @@ public:
         }
     }
 
+    /// Labels the patchwork by what the iterations made.
+    void finish() {
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            patchwork_.set_own_label(f, labels_[f]);
+        }
+        patchwork_.tell_neighbors(static_cast<int>(workers_.size()));
+    }
+
 private:
     /// What belongs to one thread: a range of faces for what is done face by face, a range of
     /// labels for the waves.
     struct Worker {
-        /// Boundary faces of its range of faces, by the worker that has their label.
-        std::vector<std::vector<int>> boundary;
+        /// The first so many are the boundary faces of its range of faces.
+        std::vector<int> boundary;
+        int boundary_count = 0;
         /// Faces by distance, and where the distances change.
         std::vector<int> queue;
         std::vector<int> segments;
@@ -92,8 +105,9 @@ private:
 
     struct Center {
         int face = -1;
-        /// Its distance from the boundary, in faces.
-        int ring = -1;
+        /// Its distance from the boundary, in faces, and from the centre before.
+        std::pair<int, int> depth{-1, 0};
+        /// Decides where these are the same.
         std::uint64_t rank = 0;
     };
 
@@ -114,7 +128,6 @@ private:
         each_worker([&](Worker& worker, int w) { find_centers(worker, w); });
         each_worker([&](Worker& worker, int w) { grow(worker, w, least); });
         each_worker([&](Worker& worker, int w) { take_labels(worker, w); });
-        patchwork_.tell_neighbors(static_cast<int>(workers_.size()));
         std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
         for (const Worker& worker : workers_) {
             for (std::size_t l = 0; l < offsets_.size(); ++l) {
@@ -130,30 +143,32 @@ private:
         return share_begin(worker, static_cast<int>(workers_.size()), count);
     }
 
+    /// Which faces are on the boundary can not be foreseen: all are appended, these are counted.
     void list_boundary(Worker& worker, int w) {
-        worker.sides = 0;
-        for (std::vector<int>& faces : worker.boundary) {
-            faces.clear();
-        }
+        const int first = begin_of(w, patchwork_.face_count());
         const int end = begin_of(w + 1, patchwork_.face_count());
-        for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
-            const Cell& cell = patchwork_.cells[f];
+        worker.boundary.resize(end - first);
+        int count = 0;
+        std::int64_t sides = 0;
+        for (int f = first; f < end; ++f) {
+            const int label = labels_[f];
             int differing = 0;
-            for (int label : cell.across) {
-                differing += label != kOpenBorder && label != cell.label;
+            for (int neighbor : neighbors_[f]) {
+                differing += labels_[neighbor] != label;
             }
             inside_[f] = differing == 0;
-            keys_[f].store(kUnreached, std::memory_order_relaxed);
-            if (differing > 0) {
-                worker.boundary[worker_of_label_[cell.label]].push_back(f);
-                worker.sides += differing;
-            }
+            worker.boundary[count] = f;
+            count += differing > 0;
+            sides += differing;
         }
+        worker.boundary_count = count;
+        worker.sides = sides;
     }
 
-    /// Finds a face of each sub-mesh that is farthest from its boundary. Among several it takes a
-    /// random one, another one in each iteration: a fixed choice pulls all centres one way where
-    /// faces are numbered regularly, and holds them where they are.
+    /// Finds a face of each sub-mesh that is farthest from its boundary. Among several it takes one
+    /// that is farthest from the centre before, so that centres do not linger on their way; among
+    /// these a random one, another one in each iteration: a fixed choice pulls all centres one way
+    /// where faces are numbered regularly.
     void find_centers(Worker& worker, int w) {
         const int first = begin_of(w, patchwork_.submesh_count());
         const int end = begin_of(w + 1, patchwork_.submesh_count());
@@ -167,16 +182,16 @@ private:
              --ring) {
             for (int i = worker.segments[ring]; i < worker.segments[ring + 1]; ++i) {
                 const int face = worker.queue[i];
-                Center& center = centers_[patchwork_.cells[face].label];
-                if (center.ring > ring) {
+                const std::pair<int, int> depth{ring, distances_[face]};
+                Center& center = centers_[labels_[face]];
+                if (center.depth > depth) {
                     continue;
                 }
+                left -= center.face < 0;
                 const std::uint64_t rank =
                     Random(iteration_, static_cast<std::uint64_t>(face)).next();
-                const bool is_first = center.ring < ring;
-                left -= is_first;
-                if (is_first || rank < center.rank) {
-                    center = {face, ring, rank};
+                if (center.depth < depth || rank < center.rank) {
+                    center = {face, depth, rank};
                 }
             }
         }
@@ -196,7 +211,10 @@ private:
         std::vector<int>& queue = worker.queue;
         queue.clear();
         for (const Worker& lister : workers_) {
-            queue.insert(queue.end(), lister.boundary[w].begin(), lister.boundary[w].end());
+            std::copy_if(lister.boundary.begin(),
+                         lister.boundary.begin() + lister.boundary_count,
+                         std::back_inserter(queue),
+                         [&](int face) { return worker_of_label_[labels_[face]] == w; });
         }
         auto tail = static_cast<int>(queue.size());
         worker.segments.assign(1, 0);
@@ -297,9 +315,11 @@ private:
         for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
             const Key key = keys_[f].load(std::memory_order_relaxed);
             if (key != kUnreached) {
-                patchwork_.set_own_label(f, label_of(key));
+                labels_[f] = label_of(key);
+                distances_[f] = distance_of(key);
+                keys_[f].store(kUnreached, std::memory_order_relaxed);
             }
-            worker.load[patchwork_.label(f)] += patchwork_.weight(f);
+            worker.load[labels_[f]] += patchwork_.weight(f);
         }
     }
 
@@ -309,9 +329,11 @@ private:
     std::vector<int> worker_of_label_;
     std::vector<double> offsets_;
     const std::vector<std::array<int, 3>> neighbors_;
-    /// Not reached yet from the boundary. A last entry stands for what lies beyond open borders.
+    std::vector<int> labels_;
+    /// From the centre that a face was given to, and the start of its wave.
+    std::vector<int> distances_;
+    /// Not reached yet from the boundary.
     std::vector<std::uint8_t> inside_;
-    /// The same.
     std::vector<std::atomic<Key>> keys_;
     std::uint64_t iteration_ = 0;
     double mean_load_ = 0.0;
@@ -322,7 +344,9 @@ private:
 
 void relax(Patchwork& patchwork, int iterations, int thread_count, const AnnealControl& control) {
     if (patchwork.submesh_count() > 1) {
-        Relaxation(patchwork, thread_count).run(iterations, control);
+        Relaxation relaxation(patchwork, thread_count);
+        relaxation.run(iterations, control);
+        relaxation.finish();
     }
 }
 

@@ -32,7 +32,7 @@ constexpr double kMeltingProposals = 2.0;
 /// Melting or cutting takes about this part of such a trial.
 constexpr double kBegun = 0.6;
 /// A relaxation passes over so many cells in the time of a proposal.
-constexpr double kRelaxedPerProposal = 3.0;
+constexpr double kRelaxedPerProposal = 5.0;
 
 struct Candidate {
     Trial trial;
