@@ -204,7 +204,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
         options.initial_labels = read_labels(document.mm()->cm, host);
     }
     const std::string weight_attribute = parameters.getString("weight_attribute").toStdString();
-    if (options.balance == Balance::weight && !weight_attribute.empty()) {
+    if (!weight_attribute.empty()) {
         options.face_weights = read_face_attribute(document.mm()->cm, host, weight_attribute);
     }
     auto sphere_positions = read_sphere_positions(document.mm()->cm, host);

@@ -132,7 +132,8 @@ SegmentOptions segment_options(const RichParameterList& parameters) {
     options.submesh_count = parameters.getInt("submesh_count");
     options.triangles_per_submesh = parameters.getInt("triangles_per_submesh");
     // The engine reads 0 as "choose"; here the default is written out, so 0 is a mistake.
-    if (options.triangles_per_submesh == 0 && options.submesh_count < 1) {
+    if (options.triangles_per_submesh == 0 && options.submesh_count < 1 &&
+        !starts_from_face_quality(parameters)) {
         throw InvalidOptions("submesh_count must be at least 1, found " +
                              std::to_string(options.submesh_count) +
                              ". Ask for between 1 and as many sub-meshes as triangles.");

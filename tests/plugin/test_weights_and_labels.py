@@ -92,6 +92,13 @@ def test_bad_weights_are_an_error_with_the_first_face(value, message):
     assert "2 of 512" in text
 
 
+def test_an_attribute_without_the_balance_by_weight_is_an_error():
+    require_attributes_from_python()
+    mesh_set = ellipsoid()
+    mesh_set.current_mesh().add_face_custom_scalar_attribute(np.ones(512), "cost")
+    assert 'Use balance "weight"' in refused(mesh_set, submesh_count=5, weight_attribute="cost")
+
+
 def test_all_pairs_refuses_weights_and_labels():
     assert "all_pairs" in refused(ellipsoid(), balance="weight", method="all_pairs")
     mesh_set = with_labels(np.arange(512) % 4)
@@ -100,7 +107,7 @@ def test_all_pairs_refuses_weights_and_labels():
 
 def test_labels_are_repaired_and_set_the_number_of_submeshes():
     mesh_set = with_labels(10 * (np.arange(512) % 6) + 3)
-    result = mesh_set.apply_filter(SEGMENTATION, submesh_count=99, initial_labels="face_quality")
+    result = mesh_set.apply_filter(SEGMENTATION, submesh_count=0, initial_labels="face_quality")
     assert result["submesh_count"] == 6
     assert sorted(set(labels_of(mesh_set))) == list(range(6))
     assert result["max_triangle_count_difference"] <= 1
