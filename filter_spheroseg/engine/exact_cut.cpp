@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exact_cut.h"
 
-#include "random.h"
-
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace spheroseg {
 
 namespace {
 
 constexpr int kFree = -1;
+constexpr int kMet = -3;
 /// Further searches after the first one, in other orders, and the part of the steps that each gets.
 constexpr int kFurtherSearches = 20;
 constexpr int kStepDivisor = 5;
@@ -19,24 +19,33 @@ constexpr int kFacesPerStep = 8;
 
 class ExactCut {
 public:
-    /// Search 0 takes the largest sub-meshes and the first faces first, others what chance says.
-    ExactCut(Patchwork& patchwork, int least, int most, int max_steps, int search)
-        : patchwork_(patchwork), least_(least), most_(most), steps_left_(max_steps),
-          is_random_(search > 0), free_count_(patchwork.face_count()),
-          random_(static_cast<std::uint64_t>(search)), seen_(patchwork.cells.size(), 0) {}
+    /// Without `random` the search takes the largest sub-meshes and the first faces first, else
+    /// what chance says.
+    ExactCut(Patchwork& patchwork,
+             const Region& region,
+             int least,
+             int most,
+             int max_steps,
+             Random* random)
+        : patchwork_(patchwork), faces_(region.faces), labels_(region.labels), least_(least),
+          most_(most), steps_left_(max_steps), random_(random),
+          free_count_(static_cast<int>(region.faces.size())) {}
 
     bool run() {
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            patchwork_.set_own_label(f, kFree);
+        for (int f : faces_) {
+            patchwork_.set_label(f, kFree);
         }
-        patchwork_.tell_neighbors();
-        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        return rest_can_be_parted(patchwork_.submesh_count()) && place_submesh(0);
+        for (int label : labels_) {
+            patchwork_.load[label] = 0;
+        }
+        return rest_can_be_parted(submesh_count()) && place_submesh(0);
     }
     /// False when nothing was found because there is nothing.
     bool gave_up() const { return steps_left_ < 0; }
 
 private:
+    int submesh_count() const { return static_cast<int>(labels_.size()); }
+
     int free_neighbors(int face) const {
         int count = 0;
         for (int neighbor : patchwork_.neighbors(face)) {
@@ -49,10 +58,11 @@ private:
     int next_seed() {
         int best = -1;
         int fewest = 4;
-        const int face_count = patchwork_.face_count();
-        const int first = is_random_ ? below(face_count) : 0;
+        const auto face_count = static_cast<int>(faces_.size());
+        const int first =
+            random_ ? static_cast<int>(random_->below(static_cast<std::uint32_t>(face_count))) : 0;
         for (int i = 0; i < face_count && fewest > 0; ++i) {
-            const int f = first + i < face_count ? first + i : first + i - face_count;
+            const int f = faces_[first + i < face_count ? first + i : first + i - face_count];
             if (patchwork_.cells[f].label == kFree && free_neighbors(f) < fewest) {
                 fewest = free_neighbors(f);
                 best = f;
@@ -61,21 +71,16 @@ private:
         return best;
     }
 
-    int below(int bound) {
-        return static_cast<int>(random_.below(static_cast<std::uint32_t>(bound)));
-    }
-
     /// Sizes of the next sub-mesh, in the order in which they are tried: by chance those first
     /// that are near the mean of what is left.
-    std::vector<int> sizes(int label) {
+    std::vector<int> sizes(int place) {
         std::vector<int> order;
         for (int size = most_; size >= least_; --size) {
             order.push_back(size);
         }
-        if (is_random_) {
-            const double mean =
-                free_count_ / static_cast<double>(patchwork_.submesh_count() - label);
-            const double wanted = mean + random_.uniform() - 0.5;
+        if (random_) {
+            const double mean = free_count_ / static_cast<double>(submesh_count() - place);
+            const double wanted = mean + random_->uniform() - 0.5;
             std::sort(order.begin(), order.end(), [&](int a, int b) {
                 return std::abs(a - wanted) < std::abs(b - wanted);
             });
@@ -83,31 +88,31 @@ private:
         return order;
     }
 
-    /// Places sub-mesh `label` and all after it.
-    bool place_submesh(int label) {
+    /// Places the sub-mesh labels_[place] and all after it.
+    bool place_submesh(int place) {
         const int seed = next_seed();
         if (seed < 0) {
-            return label == patchwork_.submesh_count();
+            return place == submesh_count();
         }
-        if (label == patchwork_.submesh_count()) {
+        if (place == submesh_count()) {
             return false;
         }
-        for (int size : sizes(label)) {
+        for (int size : sizes(place)) {
             std::vector<int> frontier(1, seed);
             std::vector<int> excluded;
-            if (grow(label, size, frontier, excluded)) {
+            if (grow(place, size, frontier, excluded)) {
                 return true;
             }
         }
         return false;
     }
 
-    /// Adds faces to sub-mesh `label` until it has `size`, in every way: a face of the frontier
-    /// either joins now, or stays out of this sub-mesh.
-    bool grow(int label, int size, std::vector<int> frontier, std::vector<int> excluded) {
+    /// Adds faces to this sub-mesh until it has `size`, in every way: a face of the frontier either
+    /// joins now, or stays out of it.
+    bool grow(int place, int size, std::vector<int> frontier, std::vector<int> excluded) {
+        const int label = labels_[place];
         if (patchwork_.load[label] == size) {
-            return rest_can_be_parted(patchwork_.submesh_count() - label - 1) &&
-                place_submesh(label + 1);
+            return rest_can_be_parted(submesh_count() - place - 1) && place_submesh(place + 1);
         }
         while (!frontier.empty()) {
             steps_left_ -=
@@ -134,7 +139,7 @@ private:
                         wider.push_back(neighbor);
                     }
                 }
-                if (grow(label, size, std::move(wider), excluded)) {
+                if (grow(place, size, std::move(wider), excluded)) {
                     return true;
                 }
                 patchwork_.set_label(face, kFree);
@@ -148,56 +153,68 @@ private:
 
     /// `parts` sub-meshes can make up the sizes of all pieces of free faces.
     bool rest_can_be_parted(int parts) {
-        std::fill(seen_.begin(), seen_.end(), 0);
         int fewest = 0;
         int greatest = 0;
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            if (patchwork_.cells[f].label == kFree && !seen_[f]) {
-                const int size = piece_size(f);
+        bool possible = true;
+        for (std::size_t i = 0; i < faces_.size() && possible; ++i) {
+            if (patchwork_.cells[faces_[i]].label == kFree) {
+                const int size = piece_size(faces_[i]);
                 const int from = (size + most_ - 1) / most_;
                 const int to = size / least_;
-                if (from > to) {
-                    return false;
-                }
+                possible = from <= to;
                 fewest += from;
                 greatest += to;
             }
         }
-        return fewest <= parts && parts <= greatest;
+        for (int f : met_) {
+            patchwork_.set_own_label(f, kFree);
+        }
+        met_.clear();
+        return possible && fewest <= parts && parts <= greatest;
     }
 
     int piece_size(int start) {
-        queue_.assign(1, start);
-        seen_[start] = 1;
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree &&
-                    !seen_[neighbor]) {
-                    seen_[neighbor] = 1;
-                    queue_.push_back(neighbor);
+        const std::size_t first = met_.size();
+        meet(start);
+        for (std::size_t head = first; head < met_.size(); ++head) {
+            for (int neighbor : patchwork_.neighbors(met_[head])) {
+                if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree) {
+                    meet(neighbor);
                 }
             }
         }
-        return static_cast<int>(queue_.size());
+        return static_cast<int>(met_.size() - first);
+    }
+
+    void meet(int face) {
+        patchwork_.set_own_label(face, kMet);
+        met_.push_back(face);
     }
 
     Patchwork& patchwork_;
+    const std::vector<int>& faces_;
+    const std::vector<int>& labels_;
     const int least_;
     const int most_;
     int steps_left_;
-    const bool is_random_;
+    Random* const random_;
     int free_count_;
-    Random random_;
-    std::vector<std::uint8_t> seen_;
-    std::vector<int> queue_;
+    /// Free faces that were counted already, while pieces are counted.
+    std::vector<int> met_;
 };
 
 } // namespace
 
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps) {
+    Region whole;
+    whole.faces.resize(patchwork.cells.size());
+    std::iota(whole.faces.begin(), whole.faces.end(), 0);
+    whole.labels.resize(patchwork.load.size());
+    std::iota(whole.labels.begin(), whole.labels.end(), 0);
     for (int search = 0; search <= kFurtherSearches; ++search) {
         const int steps = search == 0 ? max_steps : max_steps / kStepDivisor;
-        ExactCut cut(patchwork, least, most, steps, search);
+        Random random(static_cast<std::uint64_t>(search));
+        ExactCut cut(patchwork, whole, least, most, steps, search == 0 ? nullptr : &random);
         if (cut.run()) {
             return true;
         }
@@ -206,6 +223,14 @@ bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps) {
         }
     }
     return false;
+}
+
+bool cut_evenly(Patchwork& patchwork, const Region& region, int max_steps, Random& random) {
+    const auto face_count = static_cast<int>(region.faces.size());
+    const auto count = static_cast<int>(region.labels.size());
+    const int least = face_count / count;
+    return ExactCut(patchwork, region, least, least + (face_count % count != 0), max_steps, &random)
+        .run();
 }
 
 } // namespace spheroseg

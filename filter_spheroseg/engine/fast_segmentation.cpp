@@ -11,6 +11,7 @@
 #include "face_weights.h"
 #include "fast_plan.h"
 #include "pair_cohesion.h"
+#include "recut.h"
 #include "relaxation.h"
 #include "repair.h"
 #include "soundness.h"
@@ -39,6 +40,9 @@ constexpr std::int64_t kBalanceWork = 1000;
 constexpr std::int64_t kLargeBalanceWork = 100;
 constexpr int kLargeMesh = 20000;
 constexpr int kLargeSubmesh = 30;
+/// Regions that are cut anew for it in all tries, per sub-mesh: where that found one it rarely took
+/// more than 300. Without any left there are no further tries.
+constexpr std::int64_t kMostCuts = 400;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -57,7 +61,8 @@ public:
                      const Progress& progress)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          plan_(component.face_count(), task.submesh_count, options.effort, options.thread_count) {}
+          plan_(component.face_count(), task.submesh_count, options.effort, options.thread_count),
+          cuts_left_(kMostCuts * task.submesh_count) {}
 
     ComponentResult run() {
         const StopWatch watch;
@@ -375,14 +380,16 @@ private:
         const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
         const auto balance_by = [&](std::int64_t work_per_face) {
             return balance_exactly(
-                patchwork, work_per_face * patchwork.face_count(), &limit(), progress);
+                       patchwork, work_per_face * patchwork.face_count(), &limit(), progress) ||
+                recut_to_balance(patchwork, cuts_left_, &limit(), progress);
         };
         if (is_warm_ || limit().expired()) {
             // Another start is better than a long search.
             return is_near_balance(patchwork) && balance_by(work / 5);
         }
         bool balanced = balance_by(work);
-        for (int i = 0; i < kBalanceTries && !balanced && !deadline_.is_overdue(); ++i) {
+        for (int i = 0; i < kBalanceTries && !balanced && cuts_left_ > 0 && !deadline_.is_overdue();
+             ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             const AnnealSchedule schedule =
                 plan_.schedules().shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
@@ -423,6 +430,7 @@ private:
     ComponentResult result_;
     FastPlan plan_;
     StartCost cost_ = {};
+    std::int64_t cuts_left_;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::optional<BestResult> best_;

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace spheroseg {
 namespace {
 
@@ -37,17 +35,6 @@ TEST(Balance, ExactBalanceOfTwoOrThreeFacesEachNeedsNoAnnealing) {
             EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
         }
     }
-}
-
-/// Sum of what the sub-meshes have too many or too few.
-int imbalance(const Patchwork& patchwork) {
-    const int floor = patchwork.face_count() / patchwork.submesh_count();
-    const int ceiling = floor + (patchwork.face_count() % patchwork.submesh_count() != 0);
-    int sum = 0;
-    for (int load : patchwork.load) {
-        sum += std::max({0, load - ceiling, floor - load});
-    }
-    return sum;
 }
 
 TEST(Balance, IsNeverFartherOffThanItWas) {

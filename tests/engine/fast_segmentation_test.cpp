@@ -165,6 +165,17 @@ TEST(Fast, SweepsOfKOnLargerMeshesAreValid) {
     }
 }
 
+TEST(Fast, StackedTriangulationsAreBalanced) {
+    // Thousands of small sub-meshes around vertices of any valence: single faces can hardly pass.
+    PreparedMesh prepared(stacked(5000, 1), 1);
+    const int f = prepared.mesh().face_count();
+    for (int k : {f / 3, f / 4, f / 6, f / 9}) {
+        const Segmentation result = segment(prepared, fast_options(k, Effort::draft));
+        EXPECT_TRUE(result.measures.is_valid()) << k;
+        EXPECT_EQ(result.measures.submesh_count, k);
+    }
+}
+
 TEST(Fast, SameSeedSameLabelsForAnyThreadCountAndOnAReusedMesh) {
     const TriangleMesh mesh = limbed_figure(4);
     for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {

@@ -11,6 +11,8 @@
 
 #include "test_meshes.h"
 
+#include <algorithm>
+
 namespace spheroseg::test {
 
 /// A mesh with its dual graph, hierarchy and levels.
@@ -44,6 +46,17 @@ inline TriangleMesh sieve(const TriangleMesh& from, double share, std::uint64_t 
         result.faces.push_back(mesh.faces[f]);
     }
     return result;
+}
+
+/// Sum of what the sub-meshes have too many or too few.
+inline int imbalance(const Patchwork& patchwork) {
+    const int floor = patchwork.face_count() / patchwork.submesh_count();
+    const int ceiling = floor + (patchwork.face_count() % patchwork.submesh_count() != 0);
+    int sum = 0;
+    for (int load : patchwork.load) {
+        sum += std::max({0, load - ceiling, floor - load});
+    }
+    return sum;
 }
 
 /// The finest level parted into disks by bisection, then ragged by random moves that are allowed.

@@ -244,6 +244,25 @@ inline TriangleMesh random_tree(int face_count, std::uint64_t seed) {
     return mesh;
 }
 
+/// A stacked triangulation: vertices put into faces that chance chooses. Closed, of genus 0, and
+/// with many vertices of valence 3 and some of a very large one.
+inline TriangleMesh stacked(int face_count, std::uint64_t seed) {
+    Random random(seed);
+    TriangleMesh mesh = tetrahedron();
+    while (mesh.face_count() < face_count) {
+        const auto f =
+            static_cast<int>(random.below(static_cast<std::uint32_t>(mesh.face_count())));
+        const auto [a, b, c] = mesh.faces[f];
+        const int tip = mesh.vertex_count();
+        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) *
+                                 (1.0 / 3.0));
+        mesh.faces[f] = {a, b, tip};
+        mesh.faces.push_back({b, c, tip});
+        mesh.faces.push_back({c, a, tip});
+    }
+    return mesh;
+}
+
 /// How a mesh is made. As the parameter of a test it costs nothing in the processes of other tests.
 struct MeshRecipe {
     const char* name;

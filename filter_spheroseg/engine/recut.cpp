@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recut.h"
+
+#include "exact_cut.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace spheroseg {
+
+namespace {
+
+constexpr std::uint32_t kMostSubmeshes = 5;
+/// With more faces a search for a cut is hopeless.
+constexpr int kMaxRegionFaces = 200;
+constexpr int kStepsPerCut = 200;
+/// Of five steps this many lead to where others can make up for what is off.
+constexpr std::uint32_t kDirectedOfFive = 4;
+constexpr int kCutsPerWalk = 16;
+/// Distances are measured anew, over all faces, after one cut per so many of them: that takes less
+/// time than the cuts.
+constexpr std::int64_t kFacesPerCut = 64;
+/// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
+/// off; where a balance was found it rarely took more than 100 times that many.
+constexpr std::int64_t kPatience = 100;
+
+class Recut {
+public:
+    Recut(Patchwork& patchwork,
+          std::int64_t& cuts_left,
+          const Deadline* deadline,
+          const Progress& progress)
+        : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
+          floor_(patchwork.face_count() / patchwork.submesh_count()),
+          ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
+          faces_of_(patchwork.submesh_count()), unmeasured_cuts_(patchwork.face_count()) {
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            faces_of_[patchwork.label(f)].push_back(f);
+        }
+    }
+
+    bool run() {
+        if (2 * floor_ > kMaxRegionFaces) {
+            return list_off().empty();
+        }
+        for (std::vector<int> off = list_off(); !off.empty(); off = list_off()) {
+            if (cuts_left_ <= 0 ||
+                idle_cuts_ * static_cast<std::int64_t>(off.size()) >
+                    kPatience * patchwork_.submesh_count()) {
+                return false;
+            }
+            if (kFacesPerCut * unmeasured_cuts_ >= patchwork_.face_count()) {
+                unmeasured_cuts_ = 0;
+                measure_distances(true);
+                measure_distances(false);
+            }
+            for (int label : off) {
+                report_progress(progress_, 0.0, "Balancing");
+                if (deadline_ && deadline_->is_overdue()) {
+                    return false;
+                }
+                walk(label);
+            }
+        }
+        return true;
+    }
+
+private:
+    std::vector<int> list_off() const {
+        std::vector<int> off;
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            if (deviation(l) > 0) {
+                off.push_back(l);
+            }
+        }
+        return off;
+    }
+
+    /// Faces that a sub-mesh has too many or too few.
+    int deviation(int label) const {
+        return std::max({0, patchwork_.load[label] - ceiling_, floor_ - patchwork_.load[label]});
+    }
+
+    int deviation(const std::vector<int>& labels) const {
+        int sum = 0;
+        for (int label : labels) {
+            sum += deviation(label);
+        }
+        return sum;
+    }
+
+    void walk(int label) {
+        for (int i = 0; i < kCutsPerWalk && label >= 0 && deviation(label) > 0; ++i) {
+            label = step(label);
+        }
+    }
+
+    /// Cuts a sub-mesh and some beside it anew. Returns one of them that is off then; -1 if none
+    /// is.
+    int step(int label) {
+        Region region;
+        region.labels.push_back(label);
+        region.faces = faces_of_[label];
+        if (random_.below(5) < kDirectedOfFive) {
+            add(region, nearest_to_goal(label));
+        }
+        const std::size_t count = 2 + random_.below(kMostSubmeshes - 1);
+        while (region.labels.size() < count && add(region, neighbor_of(region))) {
+        }
+        cut_anew(region);
+        for (int l : region.labels) {
+            if (deviation(l) > 0) {
+                return l;
+            }
+        }
+        return -1;
+    }
+
+    /// False when there is none (-1), or no room for it.
+    bool add(Region& region, int label) {
+        if (label < 0 ||
+            region.faces.size() + faces_of_[label].size() > std::size_t{kMaxRegionFaces}) {
+            return false;
+        }
+        region.labels.push_back(label);
+        region.faces.insert(region.faces.end(), faces_of_[label].begin(), faces_of_[label].end());
+        return true;
+    }
+
+    void cut_anew(const Region& region) {
+        --cuts_left_;
+        ++idle_cuts_;
+        ++unmeasured_cuts_;
+        const int before = deviation(region.labels);
+        if (cut_evenly(patchwork_, region, kStepsPerCut, random_)) {
+            for (int label : region.labels) {
+                faces_of_[label].clear();
+            }
+            for (int f : region.faces) {
+                faces_of_[patchwork_.label(f)].push_back(f);
+            }
+            if (deviation(region.labels) < before) {
+                idle_cuts_ = 0;
+            }
+        } else {
+            for (int label : region.labels) {
+                for (int f : faces_of_[label]) {
+                    patchwork_.set_label(f, label);
+                }
+                patchwork_.load[label] = static_cast<int>(faces_of_[label].size());
+            }
+        }
+    }
+
+    /// From each sub-mesh to the nearest one that can take a face (`outward`) or spare one, in
+    /// sub-meshes. They change while sub-meshes are cut anew, but not much.
+    void measure_distances(bool outward) {
+        std::vector<int>& distance = distance_[outward];
+        distance.assign(patchwork_.submesh_count(), -1);
+        std::vector<int> queue;
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            const int load = patchwork_.load[l];
+            if (outward ? load < ceiling_ : load > floor_) {
+                distance[l] = 0;
+                queue.push_back(l);
+            }
+        }
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const int at = queue[head];
+            for_each_neighbor(at, [&](int neighbor) {
+                if (distance[neighbor] < 0) {
+                    distance[neighbor] = distance[at] + 1;
+                    queue.push_back(neighbor);
+                }
+            });
+        }
+    }
+
+    /// Some are visited more than once.
+    template <typename Visit> void for_each_neighbor(int label, Visit visit) const {
+        for (int f : faces_of_[label]) {
+            for (int c = 0; c < 3; ++c) {
+                const int across = patchwork_.label_across(f, c);
+                if (across >= 0 && across != label) {
+                    visit(across);
+                }
+            }
+        }
+    }
+
+    /// The neighbour of a sub-mesh that is nearest to where what it is off can be made up for; of
+    /// several any; -1 when it has none.
+    int nearest_to_goal(int label) {
+        const std::vector<int>& distance = distance_[patchwork_.load[label] > ceiling_];
+        int nearest = -1;
+        std::uint32_t count = 0;
+        for_each_neighbor(label, [&](int neighbor) {
+            if (nearest < 0 || distance[neighbor] < distance[nearest]) {
+                count = 0;
+            }
+            if (count == 0 || distance[neighbor] == distance[nearest]) {
+                nearest = random_.below(++count) == 0 ? neighbor : nearest;
+            }
+        });
+        return nearest;
+    }
+
+    /// Any sub-mesh beside a region; -1 when there is none.
+    int neighbor_of(const Region& region) {
+        int chosen = -1;
+        std::uint32_t count = 0;
+        for (int label : region.labels) {
+            for_each_neighbor(label, [&](int neighbor) {
+                const auto& labels = region.labels;
+                if (std::find(labels.begin(), labels.end(), neighbor) == labels.end() &&
+                    random_.below(++count) == 0) {
+                    chosen = neighbor;
+                }
+            });
+        }
+        return chosen;
+    }
+
+    Patchwork& patchwork_;
+    std::int64_t& cuts_left_;
+    const Deadline* const deadline_;
+    const Progress& progress_;
+    const int floor_;
+    const int ceiling_;
+    std::vector<std::vector<int>> faces_of_;
+    std::vector<int> distance_[2];
+    /// Cuts since one of them made the sub-meshes less off.
+    std::int64_t idle_cuts_ = 0;
+    /// Cuts since the distances were measured; at first those that are due.
+    std::int64_t unmeasured_cuts_;
+    Random random_{0x7265637574ULL};
+};
+
+} // namespace
+
+bool recut_to_balance(Patchwork& patchwork,
+                      std::int64_t& cuts_left,
+                      const Deadline* deadline,
+                      const Progress& progress) {
+    return Recut(patchwork, cuts_left, deadline, progress).run();
+}
+
+} // namespace spheroseg
