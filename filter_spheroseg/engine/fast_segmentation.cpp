@@ -40,9 +40,10 @@ constexpr std::int64_t kBalanceWork = 1000;
 constexpr std::int64_t kLargeBalanceWork = 100;
 constexpr int kLargeMesh = 20000;
 constexpr int kLargeSubmesh = 30;
-/// Regions that are cut anew for it in all tries, per sub-mesh: where that found one it rarely took
-/// more than 300. Without any left there are no further tries.
-constexpr std::int64_t kMostCuts = 400;
+/// Regions that are cut anew for it in all tries of the first start, per sub-mesh; in the n-th one
+/// an n-th of that. Where that found a balance it rarely took more. Without any left there are no
+/// further tries.
+constexpr std::int64_t kMostCuts = 250;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -61,8 +62,7 @@ public:
                      const Progress& progress)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          plan_(component.face_count(), task.submesh_count, options.effort, options.thread_count),
-          cuts_left_(kMostCuts * task.submesh_count) {}
+          plan_(component.face_count(), task.submesh_count, options.effort, options.thread_count) {}
 
     ComponentResult run() {
         const StopWatch watch;
@@ -178,6 +178,7 @@ private:
         cost_ = plan_.cost_of_start(start == 0 ? trials() : 1);
         seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
         history_ = {};
+        cuts_left_ = kMostCuts * submesh_count_ / (start + 1);
         is_warm_ = start == 0 && !task_.initial_labels.empty();
     }
 
@@ -378,16 +379,19 @@ private:
         const bool is_large =
             patchwork.face_count() >= kLargeMesh && mean_load(patchwork) >= kLargeSubmesh;
         const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
-        const auto balance_by = [&](std::int64_t work_per_face) {
+        const auto pass_faces = [&](std::int64_t work_per_face) {
             return balance_exactly(
-                       patchwork, work_per_face * patchwork.face_count(), &limit(), progress) ||
-                recut_to_balance(patchwork, cuts_left_, &limit(), progress);
+                patchwork, work_per_face * patchwork.face_count(), &limit(), progress);
         };
         if (is_warm_ || limit().expired()) {
             // Another start is better than a long search.
-            return is_near_balance(patchwork) && balance_by(work / 5);
+            return is_near_balance(patchwork) && pass_faces(work / 5);
         }
-        bool balanced = balance_by(work);
+        const auto pass_or_recut = [&] {
+            return pass_faces(work) ||
+                recut_to_balance(patchwork, cuts_left_, &deadline_, progress);
+        };
+        bool balanced = pass_or_recut();
         for (int i = 0; i < kBalanceTries && !balanced && cuts_left_ > 0 && !deadline_.is_overdue();
              ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
@@ -396,7 +400,7 @@ private:
             AnnealControl control;
             control.progress = progress;
             anneal(patchwork, schedule, control);
-            balanced = balance_by(work);
+            balanced = pass_or_recut();
         }
         return balanced;
     }
@@ -430,7 +434,7 @@ private:
     ComponentResult result_;
     FastPlan plan_;
     StartCost cost_ = {};
-    std::int64_t cuts_left_;
+    std::int64_t cuts_left_ = 0;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::optional<BestResult> best_;

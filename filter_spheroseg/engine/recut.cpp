@@ -11,18 +11,20 @@ namespace spheroseg {
 namespace {
 
 constexpr std::uint32_t kMostSubmeshes = 5;
-/// With more faces a search for a cut is hopeless.
+/// In larger regions a search for a cut is hopeless.
 constexpr int kMaxRegionFaces = 200;
 constexpr int kStepsPerCut = 200;
 /// Of five steps this many lead to where others can make up for what is off.
 constexpr std::uint32_t kDirectedOfFive = 4;
 constexpr int kCutsPerWalk = 16;
-/// Distances are measured anew, over all faces, after one cut per so many of them: that takes less
-/// time than the cuts.
+/// Distances are measured anew, over all faces, between two rounds with a cut or more per so many
+/// of them: that takes less time than the cuts.
 constexpr std::int64_t kFacesPerCut = 64;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
 /// off; where a balance was found it rarely took more than 100 times that many.
 constexpr std::int64_t kPatience = 100;
+/// About a millisecond.
+constexpr int kCutsPerReport = 128;
 
 class Recut {
 public:
@@ -33,19 +35,20 @@ public:
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
           floor_(patchwork.face_count() / patchwork.submesh_count()),
           ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
-          faces_of_(patchwork.submesh_count()), unmeasured_cuts_(patchwork.face_count()) {
+          faces_of_(patchwork.submesh_count()), unmeasured_cuts_(patchwork.face_count()),
+          is_listed_(patchwork.submesh_count(), 0) {
         for (int f = 0; f < patchwork.face_count(); ++f) {
             faces_of_[patchwork.label(f)].push_back(f);
         }
     }
 
     bool run() {
-        if (2 * floor_ > kMaxRegionFaces) {
-            return list_off().empty();
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            list_if_off(l);
         }
-        for (std::vector<int> off = list_off(); !off.empty(); off = list_off()) {
+        for (std::vector<int> round = take_off(); !round.empty(); round = take_off()) {
             if (cuts_left_ <= 0 ||
-                idle_cuts_ * static_cast<std::int64_t>(off.size()) >
+                idle_cuts_ * static_cast<std::int64_t>(round.size()) >
                     kPatience * patchwork_.submesh_count()) {
                 return false;
             }
@@ -54,25 +57,39 @@ public:
                 measure_distances(true);
                 measure_distances(false);
             }
-            for (int label : off) {
-                report_progress(progress_, 0.0, "Balancing");
-                if (deadline_ && deadline_->is_overdue()) {
-                    return false;
+            for (int label : round) {
+                if (unreported_cuts_ >= kCutsPerReport) {
+                    unreported_cuts_ = 0;
+                    report_progress(progress_, 0.0, "Balancing");
+                    if (deadline_ && deadline_->is_overdue()) {
+                        return false;
+                    }
                 }
                 walk(label);
+                list_if_off(label);
             }
         }
         return true;
     }
 
 private:
-    std::vector<int> list_off() const {
+    void list_if_off(int label) {
+        if (deviation(label) > 0 && !is_listed_[label]) {
+            is_listed_[label] = 1;
+            listed_.push_back(label);
+        }
+    }
+
+    /// The sub-meshes that are off. The list of them is empty then.
+    std::vector<int> take_off() {
         std::vector<int> off;
-        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            if (deviation(l) > 0) {
-                off.push_back(l);
+        for (int label : listed_) {
+            is_listed_[label] = 0;
+            if (deviation(label) > 0) {
+                off.push_back(label);
             }
         }
+        listed_.clear();
         return off;
     }
 
@@ -98,16 +115,23 @@ private:
     /// Cuts a sub-mesh and some beside it anew. Returns one of them that is off then; -1 if none
     /// is.
     int step(int label) {
+        --cuts_left_;
+        ++idle_cuts_;
+        ++unmeasured_cuts_;
+        ++unreported_cuts_;
         Region region;
-        region.labels.push_back(label);
-        region.faces = faces_of_[label];
+        if (!add(region, label)) {
+            return -1;
+        }
         if (random_.below(5) < kDirectedOfFive) {
             add(region, nearest_to_goal(label));
         }
         const std::size_t count = 2 + random_.below(kMostSubmeshes - 1);
         while (region.labels.size() < count && add(region, neighbor_of(region))) {
         }
-        cut_anew(region);
+        if (region.labels.size() > 1) {
+            cut_anew(region);
+        }
         for (int l : region.labels) {
             if (deviation(l) > 0) {
                 return l;
@@ -128,9 +152,6 @@ private:
     }
 
     void cut_anew(const Region& region) {
-        --cuts_left_;
-        ++idle_cuts_;
-        ++unmeasured_cuts_;
         const int before = deviation(region.labels);
         if (cut_evenly(patchwork_, region, kStepsPerCut, random_)) {
             for (int label : region.labels) {
@@ -138,6 +159,9 @@ private:
             }
             for (int f : region.faces) {
                 faces_of_[patchwork_.label(f)].push_back(f);
+            }
+            for (int label : region.labels) {
+                list_if_off(label);
             }
             if (deviation(region.labels) < before) {
                 idle_cuts_ = 0;
@@ -233,6 +257,11 @@ private:
     std::int64_t idle_cuts_ = 0;
     /// Cuts since the distances were measured; at first those that are due.
     std::int64_t unmeasured_cuts_;
+    /// The same of reports of progress.
+    int unreported_cuts_ = kCutsPerReport;
+    /// Sub-meshes that were off after a cut in this round.
+    std::vector<int> listed_;
+    std::vector<std::uint8_t> is_listed_;
     Random random_{0x7265637574ULL};
 };
 
@@ -242,7 +271,8 @@ bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       const Deadline* deadline,
                       const Progress& progress) {
-    return Recut(patchwork, cuts_left, deadline, progress).run();
+    const bool is_small = 2 * patchwork.face_count() / patchwork.submesh_count() <= kMaxRegionFaces;
+    return is_small && Recut(patchwork, cuts_left, deadline, progress).run();
 }
 
 } // namespace spheroseg

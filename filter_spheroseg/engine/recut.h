@@ -12,10 +12,12 @@ namespace spheroseg {
 /// stuck. A sub-mesh that is off is cut anew together with one to four around it, as evenly as
 /// possible (cut_evenly). So what is off goes away, or wanders from sub-mesh to sub-mesh until it
 /// meets one that can make up for it. All sub-meshes must be connected and free of bowties, and
-/// stay so; their boundaries get longer. Returns false when it made no progress for long, about
-/// `cuts_left` cuts were made, of which those that were are taken off, or, when `deadline` (may be
-/// null) is overdue, soon. The loads are never farther off than before. Deterministic but for the
-/// deadline. Throws Cancelled when the progress callback asks for it.
+/// stay so; their boundaries get longer, and their loads are never farther off than before. The
+/// cuts that it makes are taken off `cuts_left`. Returns false when sub-meshes hold more than 100
+/// faces on average, which is too many for it; when it made no progress for long; when no cuts are
+/// left at the end of a round (up to 16 for each sub-mesh that is off); and, when `deadline` (may
+/// be null) is overdue, soon. Deterministic but for the deadline. Throws Cancelled when the
+/// progress callback asks for it.
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       const Deadline* deadline = nullptr,

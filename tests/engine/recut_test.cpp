@@ -37,36 +37,45 @@ TEST(Recut, BalancesSmallSubmeshesOfStackedTriangulations) {
     EXPECT_GE(balanced_count, 45); // of 50, in one go from rough starts
 }
 
-TEST(Recut, CarriesAFaceAcrossTheMesh) {
-    const Levels levels(displaced_sphere(4));
-    const int face_count = levels.mesh.face_count();
-    for (int k : {face_count / 4, face_count / 16}) {
-        Patchwork patchwork = ragged_patchwork(levels, k, 1);
-        ASSERT_TRUE(balance_exactly(patchwork));
-        // One face passes to the sub-mesh beside it; then it is to pass on, all over the mesh, to
-        // where a sub-mesh far away gave one.
-        std::vector<Move> moves;
-        for (int f : {0, face_count / 2}) {
-            for (bool moved = false; !moved; ++f) {
-                f %= face_count;
-                for (int c = 0; c < 3 && !moved; ++c) {
-                    Move move;
-                    moved = describe_single(patchwork, f, c, move) &&
-                        single_is_allowed(patchwork, f, c, move);
-                    if (moved) {
-                        apply(patchwork, move);
-                        moves.push_back(move);
-                    }
-                }
+/// Passes a face from sub-mesh `from` to one beside it, drawn at random. Returns that one.
+int pass_any(Patchwork& patchwork, int from, Random& random) {
+    Move chosen;
+    std::uint32_t count = 0;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3 && patchwork.label(f) == from; ++c) {
+            Move move;
+            if (describe_single(patchwork, f, c, move) &&
+                single_is_allowed(patchwork, f, c, move) && random.below(++count) == 0) {
+                chosen = move;
             }
         }
-        ASSERT_EQ(moves.size(), 2U);
-        EXPECT_GT(imbalance(patchwork), 0) << k;
-        std::int64_t cuts_left = kManyCuts;
-        EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << k;
-        EXPECT_LT(cuts_left, kManyCuts);
-        EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k;
     }
+    apply(patchwork, chosen);
+    return chosen.to;
+}
+
+TEST(Recut, CarriesAFaceBackAcrossTheMesh) {
+    const Levels levels(displaced_sphere(4));
+    const int face_count = levels.mesh.face_count();
+    std::int64_t cut_count = 0;
+    int carried_count = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        Patchwork patchwork = ragged_patchwork(levels, face_count / 16, 1);
+        ASSERT_TRUE(balance_exactly(patchwork));
+        Random random(seed);
+        int at = 0;
+        for (int i = 0; i < 200; ++i) {
+            at = pass_any(patchwork, at, random);
+        }
+        std::int64_t cuts_left = kManyCuts;
+        EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << seed;
+        EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << seed;
+        carried_count += at != 0;
+        cut_count += kManyCuts - cuts_left;
+    }
+    EXPECT_GT(carried_count, 15);
+    // By chance alone it takes seven times as many as it does.
+    EXPECT_LT(cut_count, 5000);
 }
 
 TEST(Recut, IsNeverFartherOffThanItWas) {
@@ -85,6 +94,9 @@ TEST(Recut, IsNeverFartherOffThanItWas) {
             std::int64_t cuts_left = kManyCuts;
             const bool balanced = recut_to_balance(patchwork, cuts_left);
             EXPECT_LE(imbalance(patchwork), before) << faces_each << ", seed " << seed;
+            // 100 cuts per sub-mesh that bring nothing, and a round, for each face that is off.
+            EXPECT_LE(kManyCuts - cuts_left, 116 * (before + 1) * patchwork.submesh_count())
+                << faces_each << ", seed " << seed;
             EXPECT_EQ(imbalance(patchwork) == 0, balanced) << faces_each << ", seed " << seed;
             EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << faces_each << ", " << seed;
             (balanced ? balanced_count : stuck_count) += 1;
@@ -112,11 +124,14 @@ TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     EXPECT_EQ(cuts_left, kManyCuts);
     EXPECT_EQ(cell_labels(patchwork), before);
 
-    // A round, in which each of 150 sub-meshes takes 16 at most, is finished.
-    cuts_left = 10;
+    // A round, in which each of 150 sub-meshes takes 16 at most, is finished; a next one is none.
+    cuts_left = 1;
     EXPECT_FALSE(recut_to_balance(patchwork, cuts_left));
     EXPECT_LE(cuts_left, 0);
-    EXPECT_GE(cuts_left, 10 - 16 * 150);
+    EXPECT_GE(cuts_left, 1 - 16 * 150);
+    const std::vector<int> after = cell_labels(patchwork);
+    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left));
+    EXPECT_EQ(cell_labels(patchwork), after);
 }
 
 } // namespace
