@@ -21,10 +21,11 @@ constexpr int kMaxIterations = 12;
 std::vector<Vec3>
 with_fault(const TriangleMesh& mesh, std::vector<Vec3> positions, Random& random) {
     const Triangle& t = mesh.faces[random.below(static_cast<std::uint32_t>(mesh.face_count()))];
-    Vec3& p = positions[t[random.below(3)]];
+    const int corner = static_cast<int>(random.below(3));
+    Vec3& p = positions[t[corner]];
     switch (random.below(4)) {
     case 0:
-        p = positions[p.x == positions[t[0]].x ? t[1] : t[0]];
+        p = positions[t[(corner + 1) % 3]];
         break;
     case 1:
         p = p * -1.0;
