@@ -108,7 +108,8 @@ private:
     }
 
     /// Adds faces to this sub-mesh until it has `size`, in every way: a face of the frontier either
-    /// joins now, or stays out of it.
+    /// joins now, or stays out of it. One that would make a bowtie comes back to the frontier when
+    /// the sub-mesh meets another of its edges.
     bool grow(int place, int size, std::vector<int> frontier, std::vector<int> excluded) {
         const int label = labels_[place];
         if (patchwork_.load[label] == size) {
@@ -145,8 +146,8 @@ private:
                 patchwork_.set_label(face, kFree);
                 --patchwork_.load[label];
                 ++free_count_;
+                excluded.push_back(face);
             }
-            excluded.push_back(face);
         }
         return false;
     }

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 
 namespace spheroseg {
@@ -71,31 +72,61 @@ bool exists(const Levels& levels, int k, int least, int most, std::vector<int>& 
     return false;
 }
 
+/// Cuts a mesh into every number of sub-meshes and compares with all labellings. How many cuts
+/// there are, and for how many numbers there is none.
+std::array<int, 2> compare_with_all_labellings(const TriangleMesh& mesh) {
+    const Levels levels(mesh);
+    const int f = mesh.face_count();
+    std::array<int, 2> counts = {};
+    for (int k = 1; k < f; ++k) {
+        const int least = f / k;
+        const int most = (f + k - 1) / k;
+        Patchwork patchwork = levels.multilevel.coarsen(f, k);
+        const bool found = cut_exactly(patchwork, least, most, 100000);
+        std::vector<int> labels(f, 0);
+        EXPECT_EQ(found, exists(levels, k, least, most, labels, 0)) << f << " faces, k " << k;
+        ++counts[found ? 0 : 1];
+        if (found) {
+            const Measures measures = measures_of(levels, patchwork);
+            EXPECT_TRUE(is_sound(measures));
+            EXPECT_GE(measures.min_submesh_triangles, least);
+            EXPECT_LE(measures.max_submesh_triangles, most);
+            EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+        }
+    }
+    return counts;
+}
+
 TEST(ExactCut, FindsACutExactlyWhereOneExists) {
     int found_count = 0;
     int impossible_count = 0;
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
-        const int f = 4 + static_cast<int>(seed % 6);
-        const Levels levels(random_tree(f, seed));
-        for (int k = 2; k < f; ++k) {
-            const int least = f / k;
-            const int most = (f + k - 1) / k;
-            Patchwork patchwork = levels.multilevel.coarsen(f, k);
-            const bool found = cut_exactly(patchwork, least, most, 100000);
-            std::vector<int> labels(f, 0);
-            EXPECT_EQ(found, exists(levels, k, least, most, labels, 0)) << f << " faces, k " << k;
-            (found ? found_count : impossible_count) += 1;
-            if (found) {
-                const Measures measures = measures_of(levels, patchwork);
-                EXPECT_TRUE(is_sound(measures));
-                EXPECT_GE(measures.min_submesh_triangles, least);
-                EXPECT_LE(measures.max_submesh_triangles, most);
-                EXPECT_EQ(patchwork.load, measures.submesh_triangles);
-            }
-        }
+        const auto [found, impossible] =
+            compare_with_all_labellings(random_tree(4 + static_cast<int>(seed % 6), seed));
+        found_count += found;
+        impossible_count += impossible;
     }
     EXPECT_GT(found_count, 20);
     EXPECT_GT(impossible_count, 20);
+}
+
+TEST(ExactCut, FindsACutOfClosedMeshesExactlyWhereOneExists) {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        compare_with_all_labellings(stacked(4 + 2 * static_cast<int>(seed % 4), seed));
+    }
+    compare_with_all_labellings(bipyramid(4));
+}
+
+TEST(ExactCut, TakesAllFacesWhateverFirstMakesABowtie) {
+    // As the sub-mesh closes around a vertex, faces that could not join by one edge join by
+    // another.
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        const int f = 4 + 2 * static_cast<int>(seed);
+        const Levels levels(stacked(f, seed));
+        Patchwork patchwork = levels.multilevel.coarsen(f, 1);
+        EXPECT_TRUE(cut_exactly(patchwork, f, f, kMaxSearchSteps)) << f << " faces";
+        EXPECT_EQ(patchwork.load[0], f);
+    }
 }
 
 TEST(ExactCut, FindsCutsOfTreesThatAreKnownToExist) {
