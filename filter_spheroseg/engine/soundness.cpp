@@ -14,24 +14,60 @@ int fan_ends(const Patchwork& patchwork, int face, int corner) {
         (patchwork.label_across(face, previous_corner(corner)) != label);
 }
 
-/// More than one fan of the face's sub-mesh lies around the vertex at `corner`.
-bool has_bowtie_at(const Patchwork& patchwork, int face, int corner) {
-    const int label = patchwork.label(face);
-    int ends = fan_ends(patchwork, face, corner);
-    for (int exit : {corner, previous_corner(corner)}) {
-        Step step{face, corner, exit};
-        while (patchwork.neighbor(step.face, step.exit) >= 0) {
-            step = patchwork.step_from(step);
-            if (step.face == face) {
-                return ends > 2;
-            }
-            if (patchwork.label(step.face) == label) {
-                ends += fan_ends(patchwork, step.face, step.at);
+/// Finds bowties, around each vertex once.
+class Bowties {
+public:
+    explicit Bowties(const Patchwork& patchwork)
+        : patchwork_(patchwork), met_(patchwork.cells.size(), 0),
+          ends_(patchwork.submesh_count(), 0) {}
+
+    /// Sets sound[l] to 0 for the sub-meshes of which more than one fan lies around a vertex.
+    void find(std::vector<std::uint8_t>& sound) {
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            for (int c = 0; c < 3; ++c) {
+                if ((met_[f] >> c & 1) == 0 && fan_ends(patchwork_, f, c) > 0) {
+                    add_ends_around(f, c);
+                    for (int label : labels_) {
+                        sound[label] = sound[label] && ends_[label] <= 2;
+                        ends_[label] = 0;
+                    }
+                    labels_.clear();
+                }
             }
         }
     }
-    return ends > 2;
-}
+
+private:
+    void add_ends_around(int face, int corner) {
+        add_ends(face, corner);
+        for (int exit : {corner, previous_corner(corner)}) {
+            Step step{face, corner, exit};
+            while (patchwork_.neighbor(step.face, step.exit) >= 0) {
+                step = patchwork_.step_from(step);
+                if (step.face == face) {
+                    return;
+                }
+                add_ends(step.face, step.at);
+            }
+        }
+    }
+
+    void add_ends(int face, int corner) {
+        met_[face] |= 1 << corner;
+        const int ends = fan_ends(patchwork_, face, corner);
+        if (ends > 0) {
+            ends_[patchwork_.label(face)] += ends;
+            labels_.push_back(patchwork_.label(face));
+        }
+    }
+
+    const Patchwork& patchwork_;
+    /// Bit c: the vertex at corner c was looked at.
+    std::vector<std::uint8_t> met_;
+    /// Around this vertex, by sub-mesh, and the sub-meshes that have any.
+    std::vector<int> ends_;
+    std::vector<int> labels_;
+};
 
 } // namespace
 
@@ -62,14 +98,7 @@ std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
     for (std::size_t l = 0; l < sound.size(); ++l) {
         sound[l] = pieces[l] == 1;
     }
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        const int label = patchwork.cells[f].label;
-        for (int c = 0; c < 3 && sound[label]; ++c) {
-            if (fan_ends(patchwork, f, c) > 0 && has_bowtie_at(patchwork, f, c)) {
-                sound[label] = 0;
-            }
-        }
-    }
+    Bowties(patchwork).find(sound);
     return sound;
 }
 
