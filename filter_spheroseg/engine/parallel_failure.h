@@ -7,7 +7,7 @@ namespace spheroseg {
 
 /// Carries an exception out of a parallel region, which it must not leave by itself: the program
 /// would end. Every call that may throw there (all that allocates) goes through `guard`;
-/// `rethrow` follows the region.
+/// `rethrow` follows the region, with the first one.
 class ParallelFailure {
 public:
     template <typename Work> void guard(Work&& work) noexcept {
@@ -15,7 +15,7 @@ public:
             work();
         } catch (...) {
 #pragma omp critical(spheroseg_parallel_failure)
-            failure_ = std::current_exception();
+            failure_ = failure_ ? failure_ : std::current_exception();
         }
     }
 

@@ -6,43 +6,90 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <omp.h>
 
 namespace spheroseg {
 
+/// Counts tasks that have ended, and lets one thread wait for all of them.
+class TaskCount {
+public:
+    explicit TaskCount(int left) : left_(left) {}
+
+    void end_one() {
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            --left_;
+        }
+        ended_.notify_one();
+    }
+
+    /// Calls `meanwhile` at once, and again every few hundredths of a second, until all have ended.
+    template <typename Meanwhile> void await_all(const Meanwhile& meanwhile) {
+        std::unique_lock<std::mutex> lock(mutex_);
+        while (left_ > 0) {
+            lock.unlock();
+            meanwhile();
+            lock.lock();
+            ended_.wait_for(lock, std::chrono::milliseconds(20), [&] { return left_ == 0; });
+        }
+    }
+
+private:
+    std::mutex mutex_;
+    std::condition_variable ended_;
+    int left_;
+};
+
 /// Runs task(i, watch) for i in [0, count), side by side on at most `thread_count` threads, and
-/// rethrows what one of them throws; after a failure no other task is begun. Each gives `watch` to
-/// what it calls, as its progress; report() is called when that is heard on the calling thread, and
-/// answers false to have all tasks end with Cancelled.
+/// rethrows what one of them throws first; after a failure no other task is begun. Each gives
+/// `watch` to what it calls, as its progress; report() is called on the calling thread only, when
+/// that hears its watch or has no task left, and answers false to have all tasks end with
+/// Cancelled.
 template <typename Report, typename Task>
 void run_tasks(int count, int thread_count, const Report& report, const Task& task) {
     std::atomic<bool> stopped{false};
     std::atomic<bool> cancelled{false};
     ParallelFailure failure;
-#pragma omp parallel for schedule(dynamic, 1)                                                      \
-    num_threads(std::max(1, std::min(count, thread_count)))
-    for (int i = 0; i < count; ++i) {
-        failure.guard([&] {
-            if (stopped) {
-                return;
+    TaskCount tasks(count);
+#pragma omp parallel num_threads(std::max(1, std::min(count, thread_count)))
+    {
+        const bool reports = omp_get_thread_num() == 0;
+        const auto hear = [&] {
+            if (reports && !cancelled) {
+                bool goes_on = false;
+                failure.guard([&] { goes_on = report(); });
+                cancelled = !goes_on;
             }
-            const bool reports = omp_get_thread_num() == 0;
-            const Progress watch = [&](double, const char*) {
-                if (reports && !report()) {
-                    cancelled = true;
+        };
+#pragma omp for schedule(dynamic, 1) nowait
+        for (int i = 0; i < count; ++i) {
+            failure.guard([&] {
+                if (stopped) {
+                    return;
                 }
-                return !cancelled;
-            };
-            try {
-                report_progress(watch, 0.0, "");
-                task(i, watch);
-            } catch (...) {
-                stopped = true;
-                throw;
-            }
-        });
+                const Progress watch = [&](double, const char*) {
+                    hear();
+                    return !cancelled;
+                };
+                try {
+                    report_progress(watch, 0.0, "");
+                    task(i, watch);
+                } catch (...) {
+                    stopped = true;
+                    throw;
+                }
+            });
+            tasks.end_one();
+        }
+        if (reports) {
+            tasks.await_all(hear);
+        }
     }
     failure.rethrow();
+    report_progress([&](double, const char*) { return !cancelled; }, 1.0, "");
 }
 
 } // namespace spheroseg
