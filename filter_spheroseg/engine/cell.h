@@ -15,10 +15,8 @@ constexpr int kOpenBorder = -2;
 
 /// A side of a neighbour, where two faces meet: face << 3 | corner << 1 | turned, if the side runs
 /// from `corner` of `face` to its next corner; turned: both faces run over the edge in the same
-/// direction, as on a Moebius strip. Negative on an open border.
+/// direction, as on a Moebius strip. Negative on an open border. There is room for kMaxFaces.
 using NeighborSide = int;
-/// More cells than that have no room in it.
-constexpr int kMaxCells = 1 << 28;
 
 SPHEROSEG_INNER int face_of(NeighborSide side) {
     return side >> 3;

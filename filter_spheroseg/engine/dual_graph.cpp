@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 namespace spheroseg {
@@ -78,7 +79,22 @@ void join(const TriangleMesh& mesh, int first, int second, DualGraph& graph) {
 
 } // namespace
 
+void check_size(std::size_t face_count, std::size_t vertex_count) {
+    const auto refuse = [](std::size_t found, const char* what, int most) {
+        throw InvalidInput("The mesh has " + std::to_string(found) + what + ", but at most " +
+                           std::to_string(most) + " are possible. Simplify it, or part it first.");
+    };
+    if (face_count > std::size_t{kMaxFaces}) {
+        refuse(face_count, " triangles", kMaxFaces);
+    }
+    constexpr int kMaxVertices = std::numeric_limits<int>::max() - 1;
+    if (vertex_count > std::size_t{kMaxVertices}) {
+        refuse(vertex_count, " vertices", kMaxVertices);
+    }
+}
+
 DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
+    check_size(mesh.faces.size(), mesh.positions.size());
     check_indices(mesh);
     const int vertex_count = mesh.vertex_count();
     DualGraph graph;

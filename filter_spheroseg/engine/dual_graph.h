@@ -3,6 +3,8 @@
 
 #include "types.h"
 
+#include <cstddef>
+
 namespace spheroseg {
 
 /// Dual graph of a triangle mesh: one node per face, one arc per pair of faces that share an edge.
@@ -20,10 +22,14 @@ struct DualGraph {
 /// as in a manifold mesh (see MeshReport), saves walking around those inside a sub-mesh.
 enum class VertexFanCount { unknown, one };
 
-/// Builds the dual graph in O(F), in parallel. Two faces are joined across an edge when it has no
-/// third one, however they are oriented; of an edge with more faces no pair is joined (-1).
-/// Throws InvalidInput when a vertex index is out of range. The result does not depend on the
-/// number of threads.
+/// Throws InvalidInput when a mesh has more than kMaxFaces faces, or as many vertices as there are
+/// ints.
+void check_size(std::size_t face_count, std::size_t vertex_count);
+
+/// Builds the dual graph in O(F log d), in parallel; d: edges of a vertex, at most. Two faces are
+/// joined across an edge when it has no third one, however they are oriented; of an edge with more
+/// faces no pair is joined (-1). Throws InvalidInput when the mesh is too large or a vertex index
+/// is out of range. The result does not depend on the number of threads.
 DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count = 0);
 
 /// Faces that hang together, numbered in the order of their first faces.

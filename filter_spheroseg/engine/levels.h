@@ -38,9 +38,9 @@ struct MeshLevels {
     std::vector<Level> levels;
 };
 
-/// Undoes the collapses of a hierarchy of a mesh with `face_count` faces, at most kMaxCells, and
-/// keeps some of the meshes on the way. O(F), of which numbering is serial; the result does not
-/// depend on the number of threads.
+/// Undoes the collapses of a hierarchy of a mesh with `face_count` faces, and keeps some of the
+/// meshes on the way. O(F), of which numbering is serial; the result does not depend on the number
+/// of threads.
 MeshLevels build_levels(const CollapseHierarchy& hierarchy, int face_count, int thread_count);
 
 /// The finest level only.

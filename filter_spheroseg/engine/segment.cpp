@@ -145,14 +145,6 @@ void check_weights(const SegmentOptions& options, const TriangleMesh& mesh) {
     check_face_weights(weights_of(options, mesh), mesh.face_count());
 }
 
-void check_face_count(Method method, std::size_t face_count) {
-    if (method == Method::fast && face_count > static_cast<std::size_t>(kMaxCells)) {
-        throw InvalidInput("The mesh has " + std::to_string(face_count) +
-                           " triangles, but method \"fast\" takes at most " +
-                           std::to_string(kMaxCells) + ". Simplify it, or part it first.");
-    }
-}
-
 void check_initial_labels(const SegmentOptions& options, int face_count) {
     const std::vector<int>& labels = options.initial_labels;
     if (labels.empty()) {
@@ -185,7 +177,6 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     if (!defect.empty()) {
         throw InvalidInput(defect);
     }
-    check_face_count(options.method, mesh.mesh().faces.size());
     refuse_negative(options.triangles_per_submesh, "triangles_per_submesh");
     refuse_negative(options.thread_count, "thread_count");
     refuse_negative(options.max_cohesion_iterations, "max_cohesion_iterations");

@@ -44,6 +44,10 @@ inline int corner_of(const Triangle& triangle, int vertex) {
     return triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
 }
 
+/// The most faces that a mesh may have: their sides are numbered in an int, with three bits to
+/// spare.
+constexpr int kMaxFaces = 1 << 28;
+
 /// Indexed triangle mesh. Vertex indices in `faces` lie in [0, positions.size()).
 /// Vertices that no face refers to are allowed and ignored.
 struct TriangleMesh {

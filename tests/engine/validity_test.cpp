@@ -187,6 +187,14 @@ TEST(Validity, TheFirstFaceIsTheLowestWhateverItsVertices) {
     EXPECT_EQ(report_of(mesh).first_duplicate_face, 2);
 }
 
+TEST(Validity, MeshesWithMoreFacesOrVerticesThanIndicesAreAnError) {
+    EXPECT_NO_THROW(check_size(1 << 28, 1 << 27));
+    EXPECT_NO_THROW(check_size(0, (std::size_t{1} << 31) - 2));
+    EXPECT_THROW(check_size((1 << 28) + 1, 3), InvalidInput);
+    EXPECT_THROW(check_size(1, (std::size_t{1} << 31) - 1), InvalidInput);
+    EXPECT_THROW(check_size(std::size_t{1} << 32, 3), InvalidInput);
+}
+
 TEST(Validity, IndicesOutOfRangeAreAnError) {
     TriangleMesh mesh = tetrahedron();
     mesh.faces[2][1] = 9;
