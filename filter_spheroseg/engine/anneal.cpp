@@ -259,11 +259,9 @@ void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealCo
 void anneal_balanced(Patchwork& patchwork,
                      const AnnealSchedule& schedule,
                      const AnnealControl& control) {
-    const int submesh_count = patchwork.submesh_count();
-    if (submesh_count > 1) {
-        const int floor = patchwork.face_count() / submesh_count;
-        const int ceiling = floor + (patchwork.face_count() % submesh_count != 0);
-        anneal_within(patchwork, schedule, control, {floor, ceiling});
+    if (patchwork.submesh_count() > 1) {
+        const EvenLoads even = even_loads(patchwork);
+        anneal_within(patchwork, schedule, control, {even.floor, even.ceiling});
     }
 }
 

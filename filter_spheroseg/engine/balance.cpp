@@ -22,10 +22,8 @@ public:
              const Progress& progress)
         : patchwork_(patchwork), work_left_(max_work), deadline_(deadline), progress_(progress),
           boundaries_(patchwork), branches_(patchwork), graph_(patchwork.submesh_count()),
-          arc_of_(patchwork.submesh_count(), -1),
-          floor_(patchwork.face_count() / patchwork.submesh_count()),
-          ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
-          chain_(patchwork, boundaries_, floor_, ceiling_) {}
+          arc_of_(patchwork.submesh_count(), -1), even_(even_loads(patchwork)),
+          chain_(patchwork, boundaries_, even_) {}
 
     bool run() {
         std::int64_t least = imbalance();
@@ -98,7 +96,7 @@ private:
     template <typename Pass> void for_each_off(Pass pass) {
         for (int l = 0; l < patchwork_.submesh_count(); ++l) {
             for (int left = deviation(l); left > 0 && deviation(l) > 0 && work_left_ > 0; --left) {
-                if (!pass(l, patchwork_.load[l] > ceiling_)) {
+                if (!pass(l, patchwork_.load[l] > even_.ceiling)) {
                     break;
                 }
             }
@@ -139,8 +137,7 @@ private:
     }
 
     /// Faces that a sub-mesh has too many or too few.
-    int deviation(int label) const { return deviation_of(patchwork_.load[label]); }
-    int deviation_of(int load) const { return std::max({0, load - ceiling_, floor_ - load}); }
+    int deviation(int label) const { return even_.deviation(patchwork_.load[label]); }
 
     std::int64_t imbalance() const {
         std::int64_t sum = 0;
@@ -246,10 +243,7 @@ private:
     }
 
     /// Faces that a sub-mesh can take (`outward`) or spare.
-    int room(int label, bool outward) const {
-        const int load = patchwork_.load[label];
-        return outward ? ceiling_ - load : load - floor_;
-    }
+    int room(int label, bool outward) const { return even_.room(patchwork_.load[label], outward); }
 
     /// The same by a random walk; where sub-meshes are narrow, whole branches pass.
     bool wander(int label, bool outward) {
@@ -311,8 +305,8 @@ private:
     /// Whether to pass so many faces at once: if it brings the loads no farther from balance, and
     /// by chance where it does.
     bool is_worth(int face_count, int from, int to) {
-        const int rise = deviation_of(patchwork_.load[from] - face_count) +
-            deviation_of(patchwork_.load[to] + face_count) - deviation(from) - deviation(to);
+        const int rise = even_.deviation(patchwork_.load[from] - face_count) +
+            even_.deviation(patchwork_.load[to] + face_count) - deviation(from) - deviation(to);
         return rise <= 0 || random_.uniform() < std::exp(-0.5 * rise);
     }
 
@@ -353,8 +347,7 @@ private:
     PassGraph graph_;
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;
-    const int floor_;
-    const int ceiling_;
+    const EvenLoads even_;
     PlannedChain chain_;
     Random random_{0x62616c616e6365ULL};
 };
@@ -369,8 +362,7 @@ bool balance_exactly(Patchwork& patchwork,
 }
 
 bool is_near_balance(const Patchwork& patchwork) {
-    const int submesh_count = patchwork.submesh_count();
-    const int ceiling = (patchwork.face_count() + submesh_count - 1) / submesh_count;
+    const int ceiling = even_loads(patchwork).ceiling;
     std::int64_t excess = 0;
     for (int load : patchwork.load) {
         excess += std::max(0, load - ceiling);

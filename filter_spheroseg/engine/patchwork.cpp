@@ -63,6 +63,11 @@ double mean_face_weight(const Patchwork& patchwork) {
     return total_load(patchwork) / patchwork.face_count();
 }
 
+EvenLoads even_loads(const Patchwork& patchwork) {
+    const int floor = patchwork.face_count() / patchwork.submesh_count();
+    return {floor, floor + (patchwork.face_count() % patchwork.submesh_count() != 0)};
+}
+
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count) {
     const int face_count = patchwork.face_count();
     std::vector<std::array<int, 3>> table(face_count);

@@ -3,6 +3,7 @@
 
 #include "moves.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -75,6 +76,19 @@ void sum_loads(Patchwork& patchwork);
 double mean_load(const Patchwork& patchwork);
 
 double mean_face_weight(const Patchwork& patchwork);
+
+/// The loads of sub-meshes of unit weights that differ by at most one.
+struct EvenLoads {
+    int floor;
+    int ceiling;
+
+    /// Faces that a sub-mesh with this load has too many or too few.
+    int deviation(int load) const { return std::max({0, load - ceiling, floor - load}); }
+    /// Faces that it can take (`outward`) or spare; below 0 where it has too many or too few.
+    int room(int load, bool outward) const { return outward ? ceiling - load : load - floor; }
+};
+
+EvenLoads even_loads(const Patchwork& patchwork);
 
 /// The neighbours of each face; the face itself beyond open borders. What only walks over the faces
 /// reads less than half as much memory here as in the cells.

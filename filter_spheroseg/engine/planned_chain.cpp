@@ -15,8 +15,7 @@ bool PlannedChain::find(int label, bool outward, std::int64_t max_work) {
     for (std::size_t head = 0; head < passes_.size() && work_ < max_work; ++head) {
         const Move move = passes_[head].move;
         const int at = outward ? move.to : move.from;
-        const int load = patchwork_.load[at];
-        if (outward ? load < ceiling_ : load > floor_) {
+        if (even_.room(patchwork_.load[at], outward) > 0) {
             goal_ = static_cast<int>(head);
             break;
         }

@@ -28,12 +28,12 @@ inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool 
 /// Chains of passes, each of one face from a sub-mesh to a neighbour, from a sub-mesh with too many
 /// faces to one with room, or to one with too few from one that can spare one. Each pass is planned
 /// on the sub-mesh as the pass before it leaves it: which faces a sub-mesh of two or three can give
-/// depends on the face that it gets. A sub-mesh has too many faces above `ceiling`, too few below
-/// `floor`.
+/// depends on the face that it gets. A sub-mesh has too many faces above `even.ceiling`, too few
+/// below `even.floor`.
 class PlannedChain {
 public:
-    PlannedChain(Patchwork& patchwork, SubmeshBoundaries& boundaries, int floor, int ceiling)
-        : patchwork_(patchwork), boundaries_(boundaries), floor_(floor), ceiling_(ceiling),
+    PlannedChain(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
+        : patchwork_(patchwork), boundaries_(boundaries), even_(even),
           is_planned_(3 * patchwork.cells.size(), 0) {}
 
     /// Makes a shortest chain from a sub-mesh with too many faces (`outward`) or to one with too
@@ -69,8 +69,7 @@ private:
 
     Patchwork& patchwork_;
     SubmeshBoundaries& boundaries_;
-    const int floor_;
-    const int ceiling_;
+    const EvenLoads even_;
     std::uint64_t turn_ = 0;
     std::int64_t searches_ = 0;
     std::int64_t work_ = 0;

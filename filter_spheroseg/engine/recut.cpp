@@ -33,10 +33,8 @@ public:
           const Deadline* deadline,
           const Progress& progress)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
-          floor_(patchwork.face_count() / patchwork.submesh_count()),
-          ceiling_(floor_ + (patchwork.face_count() % patchwork.submesh_count() != 0)),
-          faces_of_(patchwork.submesh_count()), unmeasured_cuts_(patchwork.face_count()),
-          is_listed_(patchwork.submesh_count(), 0) {
+          even_(even_loads(patchwork)), faces_of_(patchwork.submesh_count()),
+          unmeasured_cuts_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {
         for (int f = 0; f < patchwork.face_count(); ++f) {
             faces_of_[patchwork.label(f)].push_back(f);
         }
@@ -94,9 +92,7 @@ private:
     }
 
     /// Faces that a sub-mesh has too many or too few.
-    int deviation(int label) const {
-        return std::max({0, patchwork_.load[label] - ceiling_, floor_ - patchwork_.load[label]});
-    }
+    int deviation(int label) const { return even_.deviation(patchwork_.load[label]); }
 
     int deviation(const std::vector<int>& labels) const {
         int sum = 0;
@@ -183,8 +179,7 @@ private:
         distance.assign(patchwork_.submesh_count(), -1);
         std::vector<int> queue;
         for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            const int load = patchwork_.load[l];
-            if (outward ? load < ceiling_ : load > floor_) {
+            if (even_.room(patchwork_.load[l], outward) > 0) {
                 distance[l] = 0;
                 queue.push_back(l);
             }
@@ -215,7 +210,7 @@ private:
     /// The neighbour of a sub-mesh that is nearest to where what it is off can be made up for; of
     /// several any; -1 when it has none.
     int nearest_to_goal(int label) {
-        const std::vector<int>& distance = distance_[patchwork_.load[label] > ceiling_];
+        const std::vector<int>& distance = distance_[patchwork_.load[label] > even_.ceiling];
         int nearest = -1;
         std::uint32_t count = 0;
         for_each_neighbor(label, [&](int neighbor) {
@@ -249,8 +244,7 @@ private:
     std::int64_t& cuts_left_;
     const Deadline* const deadline_;
     const Progress& progress_;
-    const int floor_;
-    const int ceiling_;
+    const EvenLoads even_;
     std::vector<std::vector<int>> faces_of_;
     std::vector<int> distance_[2];
     /// Cuts since one of them made the sub-meshes less off.

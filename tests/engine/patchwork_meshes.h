@@ -50,11 +50,10 @@ inline TriangleMesh sieve(const TriangleMesh& from, double share, std::uint64_t 
 
 /// Sum of what the sub-meshes have too many or too few.
 inline int imbalance(const Patchwork& patchwork) {
-    const int floor = patchwork.face_count() / patchwork.submesh_count();
-    const int ceiling = floor + (patchwork.face_count() % patchwork.submesh_count() != 0);
+    const EvenLoads even = even_loads(patchwork);
     int sum = 0;
     for (int load : patchwork.load) {
-        sum += std::max({0, load - ceiling, floor - load});
+        sum += even.deviation(load);
     }
     return sum;
 }
