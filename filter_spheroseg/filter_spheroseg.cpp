@@ -211,7 +211,6 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     const bool has_positions = sphere_positions.has_value();
     PreparedMesh& prepared =
         cache_.prepare(std::move(host.mesh), std::move(sphere_positions), options.thread_count);
-    validate(options, prepared);
     if (has_positions && !cache_.uses_given_positions()) {
         log(GLLogStream::WARNING,
             "The attribute sphere_position does not fit this mesh any more; it is ignored.");

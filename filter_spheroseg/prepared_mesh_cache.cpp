@@ -23,19 +23,16 @@ PreparedMesh& PreparedMeshCache::prepare(TriangleMesh mesh,
                                          std::optional<std::vector<Vec3>> sphere_positions,
                                          int thread_count) {
     const bool known = prepared_ && same_mesh(prepared_->mesh(), mesh);
-    if (known && sphere_positions && given_positions_ &&
-        same_content(*sphere_positions, *given_positions_)) {
+    if (known && sphere_positions && uses_given_positions_ &&
+        same_content(*sphere_positions, prepared_->parametrization().positions)) {
         return *prepared_;
     }
-    if (!known || given_positions_) {
+    if (!known || uses_given_positions_) {
         prepared_.reset();
-        given_positions_.reset();
         prepared_ = std::make_unique<PreparedMesh>(std::move(mesh), thread_count);
     }
-    if (sphere_positions && prepared_->report().is_closed_genus_zero() &&
-        prepared_->set_parametrization(*sphere_positions)) {
-        given_positions_ = std::move(sphere_positions);
-    }
+    uses_given_positions_ =
+        sphere_positions && prepared_->set_parametrization(*std::move(sphere_positions));
     return *prepared_;
 }
 

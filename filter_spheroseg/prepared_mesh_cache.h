@@ -18,12 +18,12 @@ public:
     prepare(TriangleMesh mesh, std::optional<std::vector<Vec3>> sphere_positions, int thread_count);
 
     /// True when the last `prepare` took the positions that it was given.
-    bool uses_given_positions() const { return given_positions_.has_value(); }
+    bool uses_given_positions() const { return uses_given_positions_; }
 
 private:
     std::unique_ptr<PreparedMesh> prepared_;
-    /// The positions that prepared_ took over; empty when its parametrization is its own.
-    std::optional<std::vector<Vec3>> given_positions_;
+    /// Is the parametrization of prepared_ one that was given?
+    bool uses_given_positions_ = false;
 };
 
 } // namespace spheroseg

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "anneal_device.h"
 #include "device.h"
-#include "phases.h"
 
 namespace spheroseg::cuda {
 

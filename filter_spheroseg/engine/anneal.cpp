@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "anneal.h"
 
+#include "anneal_device.h"
 #include "parallel_failure.h"
-#include "phases.h"
 #include "threads.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace spheroseg {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "segment.h"
+#include "options.h"
 
 namespace spheroseg {
 

@@ -49,11 +49,6 @@ private:
     std::optional<Multilevel> finest_level_;
 };
 
-class PreparedMesh;
-
-/// The edge-connected components of a prepared mesh, made on first use and kept.
-std::vector<Component>& components_of(PreparedMesh& mesh);
-
 /// The faces of each edge-connected component, in increasing order; components in the order of
 /// their first faces. O(F).
 std::vector<std::vector<int>> faces_of_components(const DualGraph& dual_graph);

@@ -41,7 +41,7 @@ public:
         const int submesh_count = requested_submesh_count(options_, face_count);
         result_.best_max_triangle_count_difference = face_count % submesh_count != 0;
         const StopWatch watch;
-        components_ = &components_of(prepared_);
+        components_ = &prepared_.components();
         seconds_.parametrization += watch.elapsed_seconds();
         std::vector<int> face_counts;
         for (const Component& component : *components_) {

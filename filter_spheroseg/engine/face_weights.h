@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "segment.h"
+#include "options.h"
+#include "types.h"
 
 namespace spheroseg {
 

@@ -9,6 +9,7 @@
 #include "warm_start.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace spheroseg {
@@ -44,10 +45,6 @@ PreparedMesh::PreparedMesh(TriangleMesh mesh, int thread_count) try
 }
 
 PreparedMesh::~PreparedMesh() = default;
-
-std::vector<Component>& components_of(PreparedMesh& mesh) {
-    return mesh.components();
-}
 
 std::vector<Component>& PreparedMesh::components() {
     if (!components_.empty()) {
@@ -168,8 +165,7 @@ void check_initial_labels(const SegmentOptions& options, int face_count) {
     }
 }
 
-} // namespace
-
+/// The only place that checks.
 void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
     const std::string defect = options.method == Method::fast
         ? surface_error(mesh.report())
@@ -198,6 +194,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh) {
         cuda::open_device();
     }
 }
+
+} // namespace
 
 Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress) try {

@@ -2,49 +2,15 @@
 #pragma once
 
 #include "measures.h"
+#include "options.h"
 #include "parametrization.h"
 #include "validity.h"
 
-#include <memory>
 #include <optional>
 
 namespace spheroseg {
 
 class Component;
-
-enum class Method { fast, all_pairs };
-enum class Effort { draft, standard, high };
-enum class Device { automatic, cpu, cuda };
-enum class Balance { triangle_count, weight };
-
-struct SegmentOptions {
-    /// Number of sub-meshes k, in [1, F]; 0: 200, or ceil(F / 10) for meshes under 2,000 faces.
-    int submesh_count = 0;
-    /// If > 0, k = ceil(F / triangles_per_submesh) instead.
-    int triangles_per_submesh = 0;
-    Method method = Method::fast;
-    /// How long `fast` refines; every effort gives the same guarantees.
-    Effort effort = Effort::standard;
-    Device device = Device::automatic;
-    /// Same seed, same labels: for any thread count, on every run.
-    std::uint64_t seed = 0;
-    /// 0: all cores.
-    int thread_count = 0;
-    /// 0: until converged. With a limit below what it does on all its levels `fast` makes one start
-    /// where it would choose among several.
-    int max_cohesion_iterations = 0;
-    int max_refinement_iterations = 0;
-    /// 0: none. When it is hit the result is still valid and balanced as far as the method
-    /// guarantees it, and `time_limit_hit` is set.
-    double time_limit_seconds = 0.0;
-    /// What the sub-meshes shall have the same of; `weight` is for `fast` only.
-    Balance balance = Balance::triangle_count;
-    /// With `Balance::weight`: one finite weight >= 0 per face, not all 0. Empty: the areas.
-    std::vector<double> face_weights;
-    /// Labels >= 0 to start from, one per face; empty: none. k is then the number of different
-    /// ones, and `submesh_count` and `triangles_per_submesh` are not used. For `fast` only.
-    std::vector<int> initial_labels;
-};
 
 struct Segmentation {
     /// One label in [0, k) per face.
@@ -87,8 +53,8 @@ struct Segmentation {
     }
 };
 
-/// A mesh with all that does not depend on k: dual graph, report, components, parametrization,
-/// each built on first use and kept, so that a second segmentation costs less.
+/// A mesh with all that does not depend on k, so that a second segmentation costs less: dual graph
+/// and report, and, built on first use and kept, components and parametrization.
 class PreparedMesh {
 public:
     /// Examines the mesh. Throws InvalidInput when a vertex index is out of range, OutOfMemory.
@@ -107,11 +73,10 @@ public:
     /// Uses a map made before, one position per vertex; returns false and changes nothing when it
     /// is not valid, or when the mesh can not be mapped.
     bool set_parametrization(std::vector<Vec3> sphere_positions);
-
-private:
-    friend std::vector<Component>& components_of(PreparedMesh& mesh);
+    /// Its edge-connected components (component.h), made on first use and kept.
     std::vector<Component>& components();
 
+private:
     TriangleMesh mesh_;
     DualGraph dual_graph_;
     MeshReport report_;
@@ -131,13 +96,9 @@ Measures measure(const PreparedMesh& mesh,
 /// or above `face_count`.
 int requested_submesh_count(const SegmentOptions& options, int face_count);
 
-/// The only place that checks. Throws InvalidInput or InvalidOptions, and DeviceError where `cuda`
-/// is asked for and there is no usable device. `fast` takes any mesh whose edges have one or two
-/// faces each, with as many sub-meshes as components or more; `all_pairs` one closed, consistently
-/// oriented, manifold component of genus 0.
-void validate(const SegmentOptions& options, const PreparedMesh& mesh);
-
-/// Cuts the mesh into k sub-meshes.
+/// Cuts the mesh into k sub-meshes. `fast` takes any mesh whose edges have one or two faces each,
+/// with as many sub-meshes as components or more; `all_pairs` one closed, consistently oriented,
+/// manifold component of genus 0.
 /// `fast`: each is one edge-connected piece without bowties, inside one component; triangle counts
 /// differ as little as the sizes of the components allow (`share_submeshes`), by one at most when
 /// there is one component. If that could not be reached, the measures say so. Depends on
@@ -148,8 +109,8 @@ void validate(const SegmentOptions& options, const PreparedMesh& mesh);
 /// before (where the balance is by weight: none more, or a better balance), and labels keep their
 /// numbers as far as possible, compacted in increasing order. `all_pairs`: the paper word for word:
 /// triangle counts differ by at most one; pieces and bowties may remain. Throws InvalidInput,
-/// InvalidOptions, Cancelled, DeviceError, OutOfMemory; the prepared mesh stays usable after any of
-/// them.
+/// InvalidOptions, Cancelled, OutOfMemory, and DeviceError where there is no usable device although
+/// `cuda` is asked for; the prepared mesh stays usable after any of them.
 Segmentation
 segment(PreparedMesh& mesh, const SegmentOptions& options, const Progress& progress = {});
 

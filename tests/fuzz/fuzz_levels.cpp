@@ -121,7 +121,7 @@ void label(Patchwork& patchwork, Random& random) {
 
 const char* find_bad_level(PreparedMesh& prepared, int seed, int thread_count) {
     Random random(static_cast<std::uint64_t>(seed), 3);
-    for (Component& component : components_of(prepared)) {
+    for (Component& component : prepared.components()) {
         const Multilevel& levels = component.multilevel(thread_count, {});
         Patchwork patchwork = levels.coarsen(static_cast<int>(random.below(300)), 1);
         label(patchwork, random);
