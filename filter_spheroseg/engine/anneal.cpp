@@ -159,16 +159,13 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
     const std::vector<int> groups = work.grouping.largest_first();
     const auto group_count = static_cast<int>(groups.size());
     const auto face_count = static_cast<int>(work.boundary.faces().size());
-    const int threads = std::min(group_count,
-                                 threads_for(thread_count,
-                                             proposal_count(phase.proposals_per_face, face_count),
-                                             kProposalsPerThread));
-    std::int64_t change = 0;
+    const int threads = threads_for(
+        thread_count, proposal_count(phase.proposals_per_face, face_count), kProposalsPerThread);
+    std::atomic<std::int64_t> change{0};
     ParallelFailure failure;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(+ : change)
-    for (int i = 0; i < group_count; ++i) {
+    for_each_task(group_count, threads, [&](int i) {
         failure.guard([&] { change += CoreGroup(work, groups[i], phase).anneal(loads); });
-    }
+    });
     failure.rethrow();
     return change;
 }

@@ -48,14 +48,13 @@ public:
         while (!parts.empty()) {
             const auto part_count = static_cast<int>(parts.size());
             std::vector<std::array<Part, 2>> halves(parts.size());
-#pragma omp parallel for schedule(dynamic, 1) num_threads(std::min(thread_count, part_count))
-            for (int i = 0; i < part_count; ++i) {
+            for_each_task(part_count, thread_count, [&](int i) {
                 if (thread_count == 1 || parts[i].end - parts[i].begin <= kSmallPart) {
                     cut_all_the_way(parts[i]);
                 } else {
                     halves[i] = cut_in_halves(parts[i]);
                 }
-            }
+            });
             parts.clear();
             for (const std::array<Part, 2>& two : halves) {
                 std::copy_if(two.begin(),
@@ -124,9 +123,7 @@ private:
     }
 
     /// Of the faces of a part; an odd number of searches leaves one more.
-    static constexpr int mark_of(int label) {
-        return 2 * label;
-    }
+    static constexpr int mark_of(int label) { return 2 * label; }
 
     /// Orders a part breadth first from `start`, component after component; returns the last face.
     /// Each search flips the marks of the whole part. Which neighbours are new can not be foreseen,
@@ -165,12 +162,8 @@ private:
     }
 
     /// Marks of faces of another part are read too, but are none of this part's.
-    int mark(int face) const {
-        return __atomic_load_n(&marks_[face], __ATOMIC_RELAXED);
-    }
-    void set_mark(int face, int value) {
-        __atomic_store_n(&marks_[face], value, __ATOMIC_RELAXED);
-    }
+    int mark(int face) const { return __atomic_load_n(&marks_[face], __ATOMIC_RELAXED); }
+    void set_mark(int face, int value) { __atomic_store_n(&marks_[face], value, __ATOMIC_RELAXED); }
 
     /// Where to cut an ordered part so that the left side weighs left_parts / parts of it.
     int left_face_count(int begin, int end, int left_parts, int parts) const {

@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace spheroseg {
@@ -75,10 +76,11 @@ BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
     : listed_(patchwork.face_count(), 0) {
     const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int f = 0; f < face_count; ++f) {
-        listed_[f] = boundary_sides(patchwork, f) > 0;
-    }
+    for_each_share(face_count, threads, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            listed_[f] = boundary_sides(patchwork, f) > 0;
+        }
+    });
     for (int f = 0; f < face_count; ++f) {
         if (listed_[f]) {
             faces_.push_back(f);
@@ -87,13 +89,16 @@ BoundaryFaces::BoundaryFaces(const Patchwork& patchwork, int thread_count)
 }
 
 std::int64_t count_boundary_edges(const Patchwork& patchwork, int thread_count) {
-    std::int64_t sides = 0;
+    std::atomic<std::int64_t> sides{0};
     const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sides)
-    for (int f = 0; f < face_count; ++f) {
-        sides += boundary_sides(patchwork, f);
-    }
+    for_each_share(face_count, threads, [&](int begin, int end) {
+        std::int64_t own = 0;
+        for (int f = begin; f < end; ++f) {
+            own += boundary_sides(patchwork, f);
+        }
+        sides += own;
+    });
     return sides / 2;
 }
 
@@ -175,10 +180,11 @@ void Grouping::place_faces(const Patchwork& patchwork,
     const auto face_count = static_cast<int>(faces.size());
     places_.resize(faces.size());
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int i = 0; i < face_count; ++i) {
-        places_[i] = place_of(patchwork, faces[i]);
-    }
+    for_each_share(face_count, threads, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            places_[i] = place_of(patchwork, faces[i]);
+        }
+    });
     faces_.assign(group_count, {});
     idle_faces_.clear();
     for (int i = 0; i < face_count; ++i) {

@@ -2,6 +2,7 @@
 #include "collapse_mesh.h"
 
 #include "hole_caps.h"
+#include "threads.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,7 +11,8 @@ namespace spheroseg {
 
 namespace {
 
-constexpr int kSerialSize = 1000;
+/// Stars that a thread should have.
+constexpr int kStarsPerThread = 512;
 
 /// True when `v` has one closed fan that holds all its faces, oriented alike.
 bool has_closed_fan(const CollapseMesh& mesh, int v) {
@@ -233,10 +235,12 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     first_cap_face = face_count;
     faces.resize(face_count);
     vertices.assign(vertex_count, {-1, 0, 0, -1});
-#pragma omp parallel for num_threads(thread_count)
-    for (int f = 0; f < face_count; ++f) {
+    const auto per_item = [thread_count](int items, const auto& work) {
+        for_each_item(items, threads_for(thread_count, items, kFacesPerThread), work);
+    };
+    per_item(face_count, [&](int f) {
         faces[f] = {mesh.faces[f], dual_graph.neighbors[f], 1, -1};
-    }
+    });
     for (int f = 0; f < face_count; ++f) {
         for (int v : faces[f].vertices) {
             vertices[v].face = f;
@@ -246,10 +250,7 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     }
     close_holes(*this);
     is_fixed.assign(vertices.size(), 0);
-#pragma omp parallel for num_threads(thread_count)
-    for (int v = 0; v < vertex_count; ++v) {
-        is_fixed[v] = !has_closed_fan(*this, v);
-    }
+    per_item(vertex_count, [&](int v) { is_fixed[v] = !has_closed_fan(*this, v); });
 }
 
 void plan_collapses(CollapseMesh& mesh,
@@ -268,53 +269,36 @@ void plan_collapses(CollapseMesh& mesh,
     round.ring_vertices.resize(round.star_begin[count]);
     round.star_faces.resize(round.star_begin[count]);
     std::vector<char> loses(count);
-#pragma omp parallel num_threads(thread_count) if (count > kSerialSize)
-    {
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
-            plan_star(mesh, round, may_close_holes, i);
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
-            loses[i] = loses_conflict(mesh, round, keys, i);
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
-            round.target[i] = loses[i] ? -1 : round.target[i];
-            mesh.vertices[round.vertex[i]].slot = -1;
-        }
-    }
+    const int threads = threads_for(thread_count, count, kStarsPerThread);
+    for_each_item(count, threads, [&](int i) { plan_star(mesh, round, may_close_holes, i); });
+    for_each_item(count, threads, [&](int i) { loses[i] = loses_conflict(mesh, round, keys, i); });
+    for_each_item(count, threads, [&](int i) {
+        round.target[i] = loses[i] ? -1 : round.target[i];
+        mesh.vertices[round.vertex[i]].slot = -1;
+    });
 }
 
 void apply_collapses(CollapseMesh& mesh, const CollapseRound& round, int thread_count) {
     const int count = round.size();
     std::vector<Seam> seams(count);
-#pragma omp parallel num_threads(thread_count) if (count > kSerialSize)
-    {
-        // Three steps, since the stars of two collapses may share edges: a vanishing face may lie
-        // beside one that vanishes with another star.
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
+    const int threads = threads_for(thread_count, count, kStarsPerThread);
+    const auto each_collapse = [&](const auto& work) {
+        for_each_item(count, threads, [&](int i) {
             if (round.target[i] >= 0) {
-                const int* const begin = &round.star_faces[round.star_begin[i]];
-                const int* const end = begin + round.star_begin[i + 1] - round.star_begin[i];
-                mesh.faces[begin[0]].heir = begin[1];
-                mesh.faces[end[-1]].heir = end[-2];
+                work(i);
             }
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
-            if (round.target[i] >= 0) {
-                seams[i] = find_seam(mesh, round, i);
-            }
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = 0; i < count; ++i) {
-            if (round.target[i] >= 0) {
-                apply_collapse(mesh, round, seams[i], i);
-            }
-        }
-    }
+        });
+    };
+    // Three steps, since the stars of two collapses may share edges: a vanishing face may lie
+    // beside one that vanishes with another star.
+    each_collapse([&](int i) {
+        const int* const begin = &round.star_faces[round.star_begin[i]];
+        const int* const end = begin + round.star_begin[i + 1] - round.star_begin[i];
+        mesh.faces[begin[0]].heir = begin[1];
+        mesh.faces[end[-1]].heir = end[-2];
+    });
+    each_collapse([&](int i) { seams[i] = find_seam(mesh, round, i); });
+    each_collapse([&](int i) { apply_collapse(mesh, round, seams[i], i); });
 }
 
 } // namespace spheroseg

@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -13,7 +14,8 @@ namespace spheroseg {
 
 namespace {
 
-constexpr int kSerialSize = 4000;
+/// Vertices or faces of a round that a thread should have.
+constexpr int kItemsPerThread = 2048;
 constexpr int kSelectionPasses = 2;
 /// Holes may close where there are fewer faces for each face of a cap.
 constexpr int kFacesPerCapFace = 40;
@@ -92,10 +94,8 @@ bool Builder::rank_vertices(const Limits& limits) {
     const double mean_weight = 3.0 * face_count_ / count;
     const double scale = 16.0 / mean_weight;
     const std::uint32_t salt = mix(static_cast<std::uint32_t>(result_.round_begin.size()));
-    bool complete = true;
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_)                             \
-    if (count > kSerialSize) reduction(&& : complete)
-    for (int i = 0; i < count; ++i) {
+    std::atomic<bool> complete{true};
+    for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const int v = alive_[i];
         CollapseMesh::Vertex& vertex = mesh_.vertices[v];
         while (mesh_.faces[vertex.face].heir >= 0) {
@@ -106,18 +106,19 @@ bool Builder::rank_vertices(const Limits& limits) {
         const bool is_removable = mesh_.is_removable(v);
         states_[v] =
             fits && is_removable && stuck_at_[v] != result_.round_count() ? kOpen : kClosed;
-        complete = complete && (fits || !is_removable);
+        if (!fits && is_removable) {
+            complete.store(false, std::memory_order_relaxed);
+        }
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
         keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
-    }
+    });
     return complete;
 }
 
 /// Marks the open vertices that have an open neighbour of smaller key.
 void Builder::mark_losers() {
     const int count = static_cast<int>(live_faces_.size());
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
-    for (int i = 0; i < count; ++i) {
+    for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
         int best = -1;
         for (int v : t) {
@@ -131,27 +132,25 @@ void Builder::mark_losers() {
                 is_loser_[v] = 1;
             }
         }
-    }
+    });
 }
 
 /// Selects the open vertices that are not marked, and takes the marks away.
 void Builder::select_winners() {
     const int count = static_cast<int>(alive_.size());
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
-    for (int i = 0; i < count; ++i) {
+    for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const int v = alive_[i];
         if (states_[v] == kOpen && !is_loser_[v]) {
             states_[v] = kSelected;
         }
         is_loser_[v] = 0;
-    }
+    });
 }
 
 /// Closes the neighbours of selected vertices.
 void Builder::cover_neighbors() {
     const int count = static_cast<int>(live_faces_.size());
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
-    for (int i = 0; i < count; ++i) {
+    for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
         std::array<unsigned char, 3> states;
         for (int c = 0; c < 3; ++c) {
@@ -166,7 +165,7 @@ void Builder::cover_neighbors() {
                 }
             }
         }
-    }
+    });
 }
 
 /// Puts an independent set of vertices into the round.
@@ -200,8 +199,7 @@ int Builder::append_round() {
     }
     result_.ring_vertices.resize(result_.star_begin.back());
     result_.star_faces.resize(result_.star_begin.back());
-#pragma omp parallel for schedule(dynamic, 1024) num_threads(threads_) if (count > kSerialSize)
-    for (int i = 0; i < count; ++i) {
+    for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         if (step_of[i] >= 0) {
             const int from = round_.star_begin[i];
             const int degree = round_.star_begin[i + 1] - from;
@@ -210,7 +208,7 @@ int Builder::append_round() {
             std::copy_n(&round_.star_faces[from], degree, &result_.star_faces[to]);
             mesh_.vertices[round_.vertex[i]].degree = 0;
         }
-    }
+    });
     if (result_.step_count() > first) {
         result_.round_begin.push_back(result_.step_count());
     }

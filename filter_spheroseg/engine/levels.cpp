@@ -367,10 +367,11 @@ private:
         std::vector<std::array<NeighborSide, 3>> sides(count);
         const auto triangle_of = [this](int cell) { return cells_[cell]; };
         const int threads = threads_for(thread_count_, count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-        for (int i = 0; i < count; ++i) {
-            sides[i] = sides_of(cells_[order[i]], triangle_of, place);
-        }
+        for_each_share(count, threads, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                sides[i] = sides_of(cells_[order[i]], triangle_of, place);
+            }
+        });
         return sides;
     }
 
@@ -409,10 +410,11 @@ build_finest_level(const TriangleMesh& mesh, const DualGraph& dual_graph, int th
         return LinkedTriangle{mesh.faces[face], dual_graph.neighbors[face]};
     };
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int i = 0; i < face_count; ++i) {
-        sides[i] = sides_of(triangle_of(result.face_at[i]), triangle_of, place);
-    }
+    for_each_share(face_count, threads, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            sides[i] = sides_of(triangle_of(result.face_at[i]), triangle_of, place);
+        }
+    });
     return result;
 }
 

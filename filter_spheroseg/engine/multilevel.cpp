@@ -48,14 +48,9 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_
     patchwork.load.assign(submesh_count, 0);
     patchwork.load[0] = total_weight();
     const int threads = threads_for(thread_count, level.cell_count(), kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int t = 0; t < threads; ++t) {
-        fill(patchwork,
-             level,
-             share_begin(t, threads, level.cell_count()),
-             share_begin(t + 1, threads, level.cell_count()),
-             0);
-    }
+    for_each_share(level.cell_count(), threads, [&](int begin, int end) {
+        fill(patchwork, level, begin, end, 0);
+    });
     patchwork.tell_neighbors(thread_count);
     return patchwork;
 }
@@ -81,18 +76,16 @@ bool Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
     std::vector<Cell>().swap(patchwork.cells); // gives the memory back before it takes more
     patchwork.cells.resize(finer.cell_count());
     const int threads = threads_for(thread_count, finer.cell_count(), kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int t = 0; t < threads; ++t) {
-        const int end = share_begin(t + 1, threads, level.cell_count());
-        int i = share_begin(t, threads, level.cell_count());
-        for (int cell = finer.first_cell_from(level.begin[i]); i < end; ++i) {
+    for_each_share(level.cell_count(), threads, [&](int begin, int end) {
+        int cell = finer.first_cell_from(level.begin[begin]);
+        for (int i = begin; i < end; ++i) {
             const int first = cell;
             while (finer.begin_of(cell) < level.begin[i + 1]) {
                 ++cell;
             }
             fill(patchwork, finer, first, cell, labels[i]);
         }
-    }
+    });
     patchwork.tell_neighbors(thread_count);
     return level.closes_holes;
 }

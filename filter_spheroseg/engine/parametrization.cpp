@@ -8,14 +8,15 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <string>
 
 namespace spheroseg {
 
 namespace {
 
-/// Rounds of fewer vertices than this are not worth the threads.
-constexpr int kSerialSize = 1000;
+/// Vertices of a round that a thread should have.
+constexpr int kVerticesPerThread = 512;
 
 /// How hard a map is tried for. A larger area weight keeps triangles farther from vanishing, and
 /// the map farther from conformal. The first weight lets areas vary by about 10^4, which is still
@@ -42,13 +43,28 @@ public:
     Mapper(const TriangleMesh& mesh, const CollapseHierarchy& hierarchy, int thread_count)
         : hierarchy_(hierarchy), threads_(thread_count),
           mesh_(hierarchy, mesh.face_count(), mesh.vertex_count()),
-          positions_(mesh.vertex_count(), Vec3{0.0, 0.0, 1.0}), rings_(thread_count) {}
+          positions_(mesh.vertex_count(), Vec3{0.0, 0.0, 1.0}) {}
 
     /// Returns false when some vertex found no room.
     bool run(const Attempt& attempt, const Progress& progress);
     std::vector<Vec3>& positions() { return positions_; }
 
 private:
+    /// Calls work(i, ring) for i in [begin, end), with a ring of the running thread.
+    template <typename Work> void for_each_vertex(int begin, int end, const Work& work) const {
+        const int threads = threads_for(threads_, end - begin, kVerticesPerThread);
+        ParallelFailure failure;
+        for_each_chunk(end - begin, threads, [&](int first, int last) {
+            failure.guard([&] {
+                VertexRing ring;
+                for (int i = begin + first; i < begin + last; ++i) {
+                    work(i, ring);
+                }
+            });
+        });
+        failure.rethrow();
+    }
+
     void place_base();
     bool insert_round(int round);
     bool insert_vertex(int step, VertexRing& ring);
@@ -60,7 +76,6 @@ private:
     int threads_;
     RefiningMesh mesh_;
     std::vector<Vec3> positions_;
-    std::vector<VertexRing> rings_;
     /// The removed vertices in the order of the hierarchy, then those of the base.
     std::vector<int> sweep_order_;
     std::vector<int> ring_begin_;
@@ -102,15 +117,12 @@ bool Mapper::insert_vertex(int step, VertexRing& ring) {
 bool Mapper::insert_round(int round) {
     const int begin = hierarchy_.round_begin[round];
     const int end = hierarchy_.round_begin[round + 1];
-    bool complete = true;
-    ParallelFailure failure;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(threads_)                              \
-    if (end - begin > kSerialSize) reduction(&& : complete)
-    for (int i = begin; i < end; ++i) {
-        failure.guard(
-            [&] { complete = insert_vertex(i, rings_[omp_get_thread_num()]) && complete; });
-    }
-    failure.rethrow();
+    std::atomic<bool> complete{true};
+    for_each_vertex(begin, end, [&](int i, VertexRing& ring) {
+        if (!insert_vertex(i, ring)) {
+            complete = false;
+        }
+    });
     return complete;
 }
 
@@ -125,12 +137,11 @@ void Mapper::gather_rings() {
         ring_begin_[i + 1] = ring_begin_[i] + mesh_.degree(sweep_order_[i]);
     }
     ring_vertices_.resize(ring_begin_[count]);
-#pragma omp parallel for schedule(dynamic, 256)                                                    \
-    num_threads(threads_) if (count - first > kSerialSize)
-    for (int i = first; i < count; ++i) {
-        int* next = &ring_vertices_[ring_begin_[i]];
-        mesh_.for_each_in_star(sweep_order_[i], [&](int, int r) { *next++ = r; });
-    }
+    for_each_item(
+        count - first, threads_for(threads_, count - first, kVerticesPerThread), [&](int i) {
+            int* next = &ring_vertices_[ring_begin_[first + i]];
+            mesh_.for_each_in_star(sweep_order_[first + i], [&](int, int r) { *next++ = r; });
+        });
 }
 
 void Mapper::move_vertex(int index, VertexRing& ring) {
@@ -146,19 +157,15 @@ void Mapper::move_vertex(int index, VertexRing& ring) {
 void Mapper::sweep(int count) {
     weights_.target_area = kSphereArea / mesh_.live_face_count();
     gather_rings();
-    ParallelFailure failure;
+    VertexRing base_ring;
     for (int s = 0; s < count; ++s) {
         for (int r = mesh_.round(); r < hierarchy_.round_count(); ++r) {
             const int begin = hierarchy_.round_begin[r];
             const int end = hierarchy_.round_begin[r + 1];
-#pragma omp parallel for schedule(dynamic, 256) num_threads(threads_) if (end - begin > kSerialSize)
-            for (int i = begin; i < end; ++i) {
-                failure.guard([&] { move_vertex(i, rings_[omp_get_thread_num()]); });
-            }
+            for_each_vertex(begin, end, [&](int i, VertexRing& ring) { move_vertex(i, ring); });
         }
-        failure.rethrow();
         for (std::size_t i = hierarchy_.vertex.size(); i < sweep_order_.size(); ++i) {
-            move_vertex(static_cast<int>(i), rings_[0]);
+            move_vertex(static_cast<int>(i), base_ring);
         }
     }
 }

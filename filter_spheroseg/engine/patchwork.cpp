@@ -10,13 +10,14 @@ namespace spheroseg {
 
 void Patchwork::tell_neighbors(int thread_count) {
     const int threads = threads_for(thread_count, face_count(), kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int f = 0; f < face_count(); ++f) {
-        for (int c = 0; c < 3; ++c) {
-            const int other = neighbor(f, c);
-            cells[f].across[c] = other < 0 ? kOpenBorder : cells[other].label;
+    for_each_share(face_count(), threads, [this](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            for (int c = 0; c < 3; ++c) {
+                const int other = neighbor(f, c);
+                cells[f].across[c] = other < 0 ? kOpenBorder : cells[other].label;
+            }
         }
-    }
+    });
 }
 
 bool may_join(const Patchwork& patchwork, int face, int to) {
@@ -72,13 +73,14 @@ std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int t
     const int face_count = patchwork.face_count();
     std::vector<std::array<int, 3>> table(face_count);
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (int f = 0; f < face_count; ++f) {
-        for (int c = 0; c < 3; ++c) {
-            const int neighbor = patchwork.neighbor(f, c);
-            table[f][c] = neighbor < 0 ? f : neighbor;
+    for_each_share(face_count, threads, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            for (int c = 0; c < 3; ++c) {
+                const int neighbor = patchwork.neighbor(f, c);
+                table[f][c] = neighbor < 0 ? f : neighbor;
+            }
         }
-    }
+    });
     return table;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "refining_mesh.h"
 
+#include "threads.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +10,8 @@ namespace spheroseg {
 
 namespace {
 
-constexpr int kSerialSize = 1000;
+/// Steps that a thread should have.
+constexpr int kStepsPerThread = 512;
 
 } // namespace
 
@@ -116,29 +119,22 @@ void RefiningMesh::undo_step(int step, const Seam& seam) {
 
 void RefiningMesh::undo_round(int thread_count) {
     --round_;
-    const int begin = hierarchy_.round_begin[round_];
-    const int end = hierarchy_.round_begin[round_ + 1];
-    seams_.resize(end - begin);
-#pragma omp parallel num_threads(thread_count) if (end - begin > kSerialSize)
-    {
-        // As with apply_collapses: an edge may open on both sides in the same round.
-#pragma omp for schedule(dynamic, 256)
-        for (int i = begin; i < end; ++i) {
-            step_of_face_[star_faces(i)[1]] = i;
-            step_of_face_[star_faces(i)[star_size(i) - 2]] = i;
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = begin; i < end; ++i) {
-            seams_[i - begin] = find_seam(i);
-        }
-#pragma omp for schedule(dynamic, 256)
-        for (int i = begin; i < end; ++i) {
-            undo_step(i, seams_[i - begin]);
-            step_of_face_[star_faces(i)[1]] = -1;
-            step_of_face_[star_faces(i)[star_size(i) - 2]] = -1;
-        }
-    }
-    live_face_count_ += 2 * (end - begin);
+    const int first = hierarchy_.round_begin[round_];
+    const int count = hierarchy_.round_begin[round_ + 1] - first;
+    const int threads = threads_for(thread_count, count, kStepsPerThread);
+    seams_.resize(count);
+    // As with apply_collapses: an edge may open on both sides in the same round.
+    for_each_item(count, threads, [&](int i) {
+        step_of_face_[star_faces(first + i)[1]] = first + i;
+        step_of_face_[star_faces(first + i)[star_size(first + i) - 2]] = first + i;
+    });
+    for_each_item(count, threads, [&](int i) { seams_[i] = find_seam(first + i); });
+    for_each_item(count, threads, [&](int i) {
+        undo_step(first + i, seams_[i]);
+        step_of_face_[star_faces(first + i)[1]] = -1;
+        step_of_face_[star_faces(first + i)[star_size(first + i) - 2]] = -1;
+    });
+    live_face_count_ += 2 * count;
 }
 
 } // namespace spheroseg

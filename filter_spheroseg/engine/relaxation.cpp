@@ -114,10 +114,9 @@ private:
     template <typename Work> void each_worker(Work work) {
         const int worker_count = static_cast<int>(workers_.size());
         ParallelFailure failure;
-#pragma omp parallel for schedule(static, 1) num_threads(worker_count)
-        for (int w = 0; w < worker_count; ++w) {
+        for_each_task(worker_count, worker_count, [&](int w) {
             failure.guard([&] { work(workers_[w], w); });
-        }
+        });
         failure.rethrow();
     }
 

@@ -12,6 +12,9 @@ constexpr int kMaxThreads = 256;
 
 /// 0 or less: all cores. At most kMaxThreads, or all cores if these are more.
 inline int resolve_thread_count(int thread_count) {
+    if (thread_count > 0 && thread_count <= kMaxThreads) {
+        return thread_count; // without a system call
+    }
     const int core_count = omp_get_num_procs();
     return thread_count > 0 ? std::min(thread_count, std::max(core_count, kMaxThreads))
                             : core_count;
@@ -30,6 +33,48 @@ inline int share_begin(int i, int share_count, int items) {
 inline int threads_for(int thread_count, std::int64_t items, std::int64_t share) {
     return static_cast<int>(
         std::clamp<std::int64_t>(items / share, 1, resolve_thread_count(thread_count)));
+}
+
+/// Calls work(i) for i in [0, count) on so many threads, whichever is free. `work` must not throw.
+/// One thread is the calling one, without OpenMP, which makes a team and system calls even for
+/// that.
+template <typename Work> void for_each_task(int count, int threads, const Work& work) {
+    if (std::min(count, threads) <= 1) {
+        for (int i = 0; i < count; ++i) {
+            work(i);
+        }
+        return;
+    }
+#pragma omp parallel for schedule(dynamic, 1) num_threads(std::min(count, threads))
+    for (int i = 0; i < count; ++i) {
+        work(i);
+    }
+}
+
+/// Calls work(begin, end) for as many nearly equal shares of [0, items) as threads, each on one.
+template <typename Work> void for_each_share(int items, int threads, const Work& work) {
+    for_each_task(threads, threads, [&](int t) {
+        work(share_begin(t, threads, items), share_begin(t + 1, threads, items));
+    });
+}
+
+/// Items that a thread takes at a time where some take longer than others.
+constexpr int kChunk = 256;
+
+/// Calls work(begin, end) for the chunks of [0, items), on so many threads.
+template <typename Work> void for_each_chunk(int items, int threads, const Work& work) {
+    for_each_task((items + kChunk - 1) / kChunk, threads, [&](int i) {
+        work(i * kChunk, std::min(items, (i + 1) * kChunk));
+    });
+}
+
+/// Calls work(i) for i in [0, items), chunk by chunk, on so many threads.
+template <typename Work> void for_each_item(int items, int threads, const Work& work) {
+    for_each_chunk(items, threads, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            work(i);
+        }
+    });
 }
 
 } // namespace spheroseg
