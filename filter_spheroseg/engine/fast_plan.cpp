@@ -91,7 +91,7 @@ StartCost FastPlan::cost_of_start(int trials) const {
     }
     proposals += schedules_.further_proposals(hexagonal_edges(done_faces, submesh_count_), edges);
     cost.levels = kProposal * proposals + (coarsens() ? kUncoarsening * faces : 0.0);
-    cost.exchanges = kProposal * schedules_.exchange_count(edges) + kFinish * faces;
+    cost.exchanges = kProposal * schedules_.exchange_count(faces, edges) + kFinish * faces;
     return cost;
 }
 

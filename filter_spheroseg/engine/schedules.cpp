@@ -13,8 +13,10 @@ namespace spheroseg {
 namespace {
 
 /// Exchanges tried where boundaries are so short that it takes no time: on thin tubes a face more
-/// or less in each ring decides.
+/// or less in each ring decides. But no more than so many per face: a mesh may have thousands of
+/// components of a few faces each.
 constexpr double kLeastExchanges = 40000.0;
+constexpr double kLeastExchangesPerFace = 50.0;
 /// So few boundary edges that these may begin hotter: they melt the boundaries, and then mend them
 /// better than they were.
 constexpr int kEdgesToMelt = 100;
@@ -35,8 +37,12 @@ double Schedules::exchange_proposals() const {
     return are_small ? budget.small_exchange_proposals : budget.exchange_proposals;
 }
 
-double Schedules::exchange_count(double boundary_edges) const {
-    return std::max(kLeastExchanges, exchange_proposals() * boundary_edges);
+double Schedules::least_exchanges(double face_count) const {
+    return std::min(kLeastExchanges, kLeastExchangesPerFace * face_count);
+}
+
+double Schedules::exchange_count(double face_count, double boundary_edges) const {
+    return std::max(least_exchanges(face_count), exchange_proposals() * boundary_edges);
 }
 
 AnnealSchedule Schedules::first(std::uint64_t seed) const {
@@ -68,7 +74,7 @@ AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t se
         count_boundary_edges(patchwork, thread_count) < kEdgesToMelt ? 0.5 : 0.25;
     schedule.temperature_end = 0.08;
     schedule.proposals_per_face = exchange_proposals();
-    schedule.least_proposals = kLeastExchanges;
+    schedule.least_proposals = least_exchanges(patchwork.face_count());
     schedule.phase_count = budget.level_phases;
     return schedule;
 }

@@ -23,8 +23,8 @@ struct Schedules {
     /// Roughly the proposals on all further levels, from a first one with so many boundary edges up
     /// to one with more.
     double further_proposals(double first_edges, double last_edges) const;
-    /// Exchanges where there are so many boundary edges.
-    double exchange_count(double boundary_edges) const;
+    /// Exchanges where there are so many faces and boundary edges.
+    double exchange_count(double face_count, double boundary_edges) const;
 
     /// On the first level.
     AnnealSchedule first(std::uint64_t seed) const;
@@ -37,6 +37,7 @@ struct Schedules {
 
 private:
     double exchange_proposals() const;
+    double least_exchanges(double face_count) const;
 };
 
 /// Boundary edges of hexagonal sub-meshes of so many faces in all.
