@@ -379,6 +379,7 @@ private:
         const bool is_large =
             patchwork.face_count() >= kLargeMesh && mean_load(patchwork) >= kLargeSubmesh;
         const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
+        // A hurried start may take what it needs here: cut short it would rarely be valid.
         const auto pass_faces = [&](std::int64_t work_per_face) {
             return balance_exactly(
                 patchwork, work_per_face * patchwork.face_count(), &limit(), progress);

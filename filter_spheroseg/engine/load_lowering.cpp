@@ -70,7 +70,7 @@ private:
         return sum;
     }
 
-    /// The allowed moves of single faces out of a sub-mesh, in random order.
+    /// The allowed moves of single faces out of a sub-mesh, beginning with any of them.
     void find_passages(int label) {
         passages_.clear();
         work_left_ -= boundaries_.listed_count(label);

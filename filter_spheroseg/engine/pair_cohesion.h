@@ -21,9 +21,10 @@ namespace spheroseg {
 /// the count of each label stays. The result does not depend on the number of threads. Coinciding
 /// centroids are not parted, unlike there: begin with `balanced_sphere_labels`. Like there, it also
 /// ends when 32 iterations have brought no new least energy. `boundary_edges` of the result is
-/// empty without a dual graph (may be null). From a coherent start an iteration costs O(F) and a
-/// sort of the faces that may move; memory is O(F) and the number of pairs of sub-meshes that
-/// touch. Throws Cancelled; the labels are unchanged then.
+/// empty without a dual graph (may be null). From a coherent start an iteration costs O(F), a sort
+/// of the faces that may move, and a sweep over the sub-meshes along one axis for pairs that may
+/// touch, about O(k^1.5); memory is O(F) and the number of those pairs. Throws Cancelled; the
+/// labels are unchanged then.
 SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
                             int submesh_count,
                             const SwapLimits& limits,

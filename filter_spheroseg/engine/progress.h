@@ -61,8 +61,8 @@ public:
 
     double elapsed_seconds() const { return watch_.elapsed_seconds(); }
     bool expired() const { return limit_seconds_ > 0.0 && elapsed_seconds() >= limit_seconds_; }
-    /// The time is up even for what makes a result valid that is not: that may take as long again
-    /// as the limit, and a second.
+    /// The time is up even for further searches where a result is not valid: they may take as long
+    /// again as the limit, and a second.
     bool is_overdue() const {
         return limit_seconds_ > 0.0 && elapsed_seconds() >= 2.0 * limit_seconds_ + 1.0;
     }

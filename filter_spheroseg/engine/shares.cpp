@@ -122,7 +122,7 @@ private:
         }
     }
 
-    /// Of the counts of n faces in `parts` parts that differ by at most one. Exact in a double.
+    /// Of the counts of n faces in `parts` parts that differ by at most one.
     static double sum_of_squares(int n, int parts) {
         const double small = n / parts;
         const double large_parts = n % parts;
