@@ -7,6 +7,7 @@ it before `pymeshlab`: both orders work, but the other one is slow on a busy mac
 (docs/performance.md, "Busy machines").
 """
 
+import itertools
 import os
 import sys
 from pathlib import Path
@@ -44,13 +45,17 @@ __all__ = [
 
 
 def _is_command_line() -> bool:
-    # "-m" stands there only while Python looks for the module that it was told to run.
-    return Path(sys.argv[0]).name in ("-m", "spheroseg") if sys.argv else False
+    """Does this process run the program, or a module of this package?"""
+    name = Path(sys.argv[0]).name if sys.argv else ""
+    if name == "-m":  # only while Python looks for the module that it was told to run
+        words = itertools.dropwhile(lambda word: not word.startswith("-m"), sys.orig_argv)
+        name = next(words, "").removeprefix("-m") or next(words, "")
+    return name.partition(".")[0] == "spheroseg"
 
 
 try:
     load_plugin()
 except PluginError:
-    # The command line can show its help without a plugin; a command that needs it says so itself.
+    # The command line can show its help without a plugin; what needs it says so itself.
     if not _is_command_line():
         raise

@@ -7,8 +7,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-import pymeshlab
-
+from spheroseg._host import pymeshlab  # before any other import of it
 from spheroseg.errors import InputError, PluginError
 from spheroseg.install import PLUGIN_FILE, plugin_host
 

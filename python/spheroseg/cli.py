@@ -16,6 +16,7 @@ is for work that was accepted and failed in part, such as one mesh of a batch.
 
 import argparse
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -69,8 +70,9 @@ def build_parser() -> argparse.ArgumentParser:
         prog="spheroseg",
         description="Cuts triangle meshes into connected sub-meshes whose triangle "
         "counts differ by at most one.",
-        epilog="Exit codes: 0 done, 1 a part of a batch failed, 2 bad usage or bad input, "
-        "130 interrupted, 141 nobody reads the output.",
+        epilog="Exit codes: 0 done; 1 a part of a batch or an evaluate failed, or the disk of a "
+        "batch is full; 2 bad usage or bad input, a full disk or a missing plugin; 130 interrupted "
+        "by Ctrl-C; 141 nobody reads what is printed.",
     )
     parser.add_argument(
         "--version",
@@ -89,6 +91,9 @@ def build_parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command line and returns the exit code."""
     _open_closed_streams()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        # A name that the output's encoding does not have is no reason to fail after the work.
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         code = _run(argv)
     except SystemExit as stop:  # of argparse

@@ -30,6 +30,7 @@ ROWS = {
 
 def main(output: Path) -> None:
     """Writes cow.ply (labels and colours) and cow.png to `output`, and prints the measures."""
+    spheroseg.load_plugin()
     output.mkdir(parents=True, exist_ok=True)
     mesh_path, picture_path = output / "cow.ply", output / "cow.png"
     mesh_set = pymeshlab.MeshSet()
@@ -61,4 +62,7 @@ def main(output: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))
+    try:
+        main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))
+    except spheroseg.PluginError as error:
+        sys.exit(f"python -m spheroseg.demo: {' '.join(str(error).split())}")

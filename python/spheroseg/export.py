@@ -178,6 +178,7 @@ class _Blob:
             )
         )
         self.data += raw
+        # pygltflib 1.16 pads the views that it writes, too.
         self.data += bytes(-len(self.data) % 4)
         self.accessors.append(self.gltf.Accessor(bufferView=len(self.views) - 1, **accessor))
         return len(self.accessors) - 1

@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import pty
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
+from processes import environment, run_program, run_python
 from terminal import read_terminal
 
 import spheroseg
@@ -23,15 +25,6 @@ from spheroseg.file_checks import checked_triangle_count
 FEW = ["--max-cohesion-iterations", "2", "--max-refinement-iterations", "1"]
 LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
 CUBE = SAMPLE_FOLDER / "cube.obj"
-
-
-def run_process(*arguments, **environment):
-    return subprocess.run(
-        [sys.executable, "-m", "spheroseg", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **environment},
-    )
 
 
 @pytest.fixture
@@ -50,13 +43,67 @@ def run(capsys):
 
 def test_the_program_writes_what_it_was_asked_for_and_prints_the_measures(tmp_path):
     paths = [tmp_path / name for name in ("out.ply", "labels.txt", "out.json")]
-    done = run_process(
+    done = run_program(
         "segment", LEAF, "-k", 30, *FEW, "-o", paths[0], "--labels", paths[1], "--json", paths[2]
     )
     assert done.returncode == 0
     assert done.stderr == ""
     assert "boundary_edge_count" in done.stdout
     assert all(path.stat().st_size > 0 for path in paths)
+
+
+def test_help_and_manual_tell_of_the_same_exit_codes():
+    told = " ".join(cli.build_parser().epilog.rstrip(".").split()).removeprefix("Exit codes: ")
+    manual = (REPOSITORY / "docs" / "python.md").read_text().replace("`", "")
+    assert [code.split()[0] for code in told.split("; ")] == ["0", "1", "2", "130", "141"]
+    assert [code for code in told.split("; ") if code not in " ".join(manual.split())] == []
+
+
+def test_names_need_no_locale(tmp_path):
+    folder = tmp_path / "größe"
+    folder.mkdir()
+    mesh, result = shutil.copy(CUBE, folder / "é.obj"), folder / "ü.ply"
+    done = run_program("segment", mesh, "-k", 2, "-o", result, LC_ALL="C")
+    assert (done.returncode, done.stderr) == (0, "")
+    done = run_program("batch", folder, "-o", folder / "ö", "-k", 2, LC_ALL="C")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert {path.name for path in folder.rglob("*.ply")} == {"ü.ply", "é.ply"}
+
+
+PYMESHLAB_FIRST = """
+import locale, pathlib, sys
+import pymeshlab
+from spheroseg import mesh_files
+
+print(locale.setlocale(locale.LC_CTYPE))
+mesh_set = mesh_files.read_mesh(sys.argv[1])
+for error, call in (
+    (OSError, lambda: mesh_files.save_ply(mesh_set, sys.argv[2])),
+    (mesh_files.InputError, lambda: mesh_files.read_mesh(sys.argv[3])),
+):
+    try:
+        call()
+    except error as caught:
+        print(caught)
+"""
+
+
+def test_names_that_pymeshlab_can_not_find_are_refused_with_what_to_do(tmp_path):
+    folder = tmp_path / "größe"
+    folder.mkdir()
+    mesh = shutil.copy(CUBE, folder)
+    done = run_python("-c", PYMESHLAB_FIRST, CUBE, folder / "out.ply", mesh, LC_ALL="C")
+    locale, *errors = done.stdout.splitlines()
+    assert (locale, len(errors), done.stderr) == ("C", 2, "")
+    assert all("set the environment variable LC_ALL=C.UTF-8" in error for error in errors)
+
+
+def test_names_that_the_output_can_not_show_are_no_failure(tmp_path):
+    folder = tmp_path / "größe☃"
+    done = run_program("split", CUBE, "-k", 2, "-o", folder, PYTHONIOENCODING="ascii")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert r"gr\xf6\xdfe\u2603" in done.stdout
+    assert folder.is_dir()
 
 
 def test_mesh_labels_and_json_agree_and_keep_the_files_order(run, tmp_path):
@@ -240,8 +287,20 @@ def test_a_mesh_that_is_not_whole_on_the_disk_is_an_error(run, tmp_path, monkeyp
     (tmp_path / "out.ply").write_text("old")
     code, _, errors = run("segment", CUBE, "-k", "2", "-o", tmp_path / "out.ply", "-q")
     assert (code, errors.count("\n")) == (2, 1)
-    assert f"{tmp_path / 'out.ply'}: could not be written whole; is the disk full?" in errors
+    assert f"{tmp_path / 'out.ply'}: could not be written whole; is the disk full? (" in errors
     assert (tmp_path / "out.ply").read_text() == "old"
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o664, 0o444])
+def test_a_result_has_the_permissions_of_the_file_that_it_replaces(mode, run, tmp_path):
+    outputs = [tmp_path / name for name in ("out.ply", "out.npy", "out.json")]
+    for path in outputs:
+        path.touch(mode)
+        path.chmod(mode)
+    options = ["-o", outputs[0], "--labels", outputs[1], "--json", outputs[2], "-q"]
+    assert run("segment", CUBE, "-k", "2", *options)[0] == 0
+    assert [path.stat().st_size > 0 for path in outputs] == [True] * 3
+    assert [path.stat().st_mode & 0o777 for path in outputs] == [mode] * 3
 
 
 def test_a_mesh_may_be_replaced_and_its_texture_stays(run, tmp_path):
@@ -289,6 +348,14 @@ BAD_CALLS = {
     "k negative": (["segment", CUBE, "-k", "-3"], "-3"),
     "k above F": (["segment", CUBE, "-k", "13"], "13"),
     "two counts": (["segment", CUBE, "-k", "3", "--triangles-per-submesh", "2"], "not allowed"),
+    "no triangles per sub-mesh": (
+        ["segment", CUBE, "--triangles-per-submesh", "0"],
+        "triangles_per_submesh must be 1 or more, got 0",
+    ),
+    "no triangles per block": (
+        ["export", CUBE, "-o", "x.npz", "--triangles-per-submesh", "0"],
+        "triangles_per_submesh must be 1 or more, got 0",
+    ),
     "unknown option": (["segment", CUBE, "--fast"], "--fast"),
     "method": (["segment", CUBE, "--method", "best"], "invalid choice: 'best'"),
     "time limit": (["segment", CUBE, "--time-limit", "nan"], "must be finite, got nan"),
@@ -302,7 +369,7 @@ BAD_CALLS = {
     "weight unused": (["segment", CUBE, "--weight-attribute", "w"], "'w' needs balance='weight'"),
     "no file": (["segment", "none.ply"], "none.ply: no such file"),
     "folder": (["segment", "."], ".: is a folder"),
-    "garbage": (["segment", "garbage.ply"], "can not read it"),
+    "garbage": (["segment", "garbage.ply"], "no PLY file"),
     "NaN": (["segment", "nan.obj"], "not finite (NaN)"),
     "corner twice": (
         ["segment", "twice.obj"],
@@ -385,7 +452,7 @@ def test_a_place_where_nothing_can_be_written_is_refused_before_any_work(
         ["segment", CUBE, "-k", "2", "-o", "{}.ply"],
         ["segment", CUBE, "-k", "2", "--json", "{}/o.json"],
         ["parametrize", CUBE, "-o", "{}.ply"],
-        ["batch", "folder", "-o", "out"],
+        ["batch", "{}.obj", "-o", "out"],
         ["batch", CUBE, "-o", "{}"],
         ["evaluate", CUBE, "-o", "{}"],
         ["split", CUBE, "-k", "2", "-o", "{}"],
@@ -410,7 +477,7 @@ def test_a_name_that_is_not_utf_8_is_refused_before_any_work(run, tmp_path, monk
 
 @pytest.mark.parametrize("arguments", [["segment", CUBE, "-k", 13], ["segment", "none.ply"], []])
 def test_the_program_itself_ends_with_exit_code_2_and_no_traceback(arguments):
-    done = run_process(*arguments)
+    done = run_program(*arguments)
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1
     assert "Traceback" not in done.stderr
@@ -423,7 +490,7 @@ def run_shell(line, *arguments):
         ["bash", "-c", line, "bash", *program],
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), "PYTHONUNBUFFERED": ""},
+        env=environment(PYTHONUNBUFFERED=""),
     )
 
 
@@ -466,17 +533,36 @@ def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     assert not any(path.exists() for path in outputs)
 
 
-def test_progress_on_a_terminal_leaves_the_output_alone():
+def shown_on_a_terminal(*arguments) -> tuple[list[str], bytes]:
+    """Each state of the bar that a command draws on stderr, without colours, and its output."""
     controller, terminal = pty.openpty()
     process = subprocess.Popen(
-        [sys.executable, "-m", "spheroseg", "segment", LEAF, "-k", "20", "-q"],
+        [sys.executable, "-m", "spheroseg", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=terminal,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), "TERM": "xterm"},
+        env=environment(TERM="xterm", NO_COLOR="1", COLUMNS="120"),
     )
     os.close(terminal)
     shown = b"".join(iter(lambda: read_terminal(controller), b""))
     os.close(controller)
-    assert process.communicate() == (b"", None)
+    output, _ = process.communicate()
     assert process.returncode == 0
-    assert b"Segmenting: Done" in shown
+    return shown.decode().split("\r"), output
+
+
+def test_progress_on_a_terminal_rises_and_leaves_the_output_alone():
+    effort = ("--effort", "high")  # for a second or so
+    shown, output = shown_on_a_terminal("segment", LEAF, "-k", "200", *effort, "-q")
+    assert output == b""
+    reports = [state for state in shown if "Segmenting: " in state]
+    lengths = [state.count("━") for state in reports]
+    assert lengths == sorted(lengths)
+    assert lengths[0] < lengths[-1] == 40  # as long as a bar is
+    assert "Segmenting: Done" in reports[-1]
+
+
+def test_progress_of_many_meshes_counts_those_that_are_done(tmp_path):
+    shown, _ = shown_on_a_terminal("batch", CUBE, LEAF, "-k", "2", "-o", tmp_path / "out")
+    counts = [int(count) for count in re.findall(r"(\d)/2 ", " ".join(shown))]
+    assert counts == sorted(counts)
+    assert (counts[0], counts[-1]) == (0, 2)

@@ -4,23 +4,13 @@
 import os
 import re
 import shutil
-import subprocess
-import sys
 
 import pytest
 from mesh_paths import REPOSITORY
+from processes import run_program, run_python
 
 import spheroseg
 from spheroseg.install import PLUGIN_FILE
-
-
-def run_python(*arguments, **environment):
-    return subprocess.run(
-        [sys.executable, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **environment},
-    )
 
 
 @pytest.fixture(scope="module")
@@ -97,12 +87,36 @@ def test_a_file_that_is_no_plugin_is_refused(tmp_path, content):
 def test_the_command_line_says_it_in_one_line_and_still_shows_its_help(other_release, tmp_path):
     environment = {"SPHEROSEG_PLUGIN": str(other_release)}
     cube = REPOSITORY / "sample_meshes" / "cube.obj"
-    run = run_python("-m", "spheroseg", "segment", cube, **environment)
+    run = run_program("segment", cube, **environment)
     assert run.returncode == 2
     assert run.stderr.count("\n") == 1
     assert "2023.12" in run.stderr
     assert "2025.07" in run.stderr
-    assert run_python("-m", "spheroseg", "--help", **environment).returncode == 0
+    assert run_program("--help", **environment).returncode == 0
+
+
+@pytest.mark.parametrize("call", [["-P", "-m", "spheroseg"], ["-mspheroseg"]])
+def test_the_command_line_is_known_however_python_is_told_to_run_it(call, other_release):
+    run = run_python(*call, "--help", SPHEROSEG_PLUGIN=str(other_release))
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("module", ["foreign", "spherosegment"])
+def test_the_module_of_somebody_else_is_told_at_the_import(module, other_release, tmp_path):
+    (tmp_path / f"{module}.py").write_text("import spheroseg; print('imported')")
+    path = os.pathsep.join([str(REPOSITORY / "python"), str(tmp_path)])
+    run = run_python("-m", module, SPHEROSEG_PLUGIN=str(other_release), PYTHONPATH=path)
+    assert (run.returncode, run.stdout) == (1, "")
+    assert "PluginError: " in run.stderr.strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize("module", ["demo", "bench"])
+def test_modules_of_the_package_say_it_in_one_line(module, other_release, tmp_path):
+    output = ["--output", tmp_path / "out"] if module == "bench" else [tmp_path / "out"]
+    run = run_python("-m", f"spheroseg.{module}", *output, SPHEROSEG_PLUGIN=str(other_release))
+    assert (run.returncode, run.stderr.count("\n")) == (1, 1)
+    assert "built for PyMeshLab 2023.12" in run.stderr
+    assert not (tmp_path / "out").exists()
 
 
 def imports_of_the_documents():

@@ -7,6 +7,7 @@ LABELS hold one whole number per triangle, in the order of the file.
 
 from spheroseg import api, mesh_files
 from spheroseg.commands import shared
+from spheroseg.errors import InputError
 
 
 def add_arguments(parser):
@@ -76,6 +77,9 @@ def segment_options(arguments) -> dict:
     names += ["balance", "weight_attribute", "thread_count", "time_limit_seconds"]
     names += ["max_cohesion_iterations", "max_refinement_iterations"]
     given = {name: getattr(arguments, name, None) for name in names}
+    size = given["triangles_per_submesh"]
+    if size is not None and size < 1:  # 0 would mean the default k
+        raise InputError(f"triangles_per_submesh must be 1 or more, got {size}")
     return {name: value for name, value in given.items() if value is not None}
 
 

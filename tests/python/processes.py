@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Processes that run Python with this package, and what they are doing."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from mesh_paths import REPOSITORY
+
+
+def environment(**others):
+    return {**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **others}
+
+
+def run_python(*arguments, **others):
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        env=environment(**others),
+    )
+
+
+def run_program(*arguments, **others):
+    return run_python("-m", "spheroseg", *arguments, **others)
+
+
+def wait_until(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def is_running(process_id):
+    """Not so is one that has ended but that its parent has not asked about."""
+    state = read_or_nothing(Path(f"/proc/{process_id}/stat")).rpartition(")")[2].split()
+    return bool(state) and state[0] != "Z"
+
+
+def children(process_id):
+    found = Path(f"/proc/{process_id}/task").glob("*/children")
+    return {int(child) for path in found for child in read_or_nothing(path).split()}
+
+
+def has_plugin(process_ids):
+    maps = [Path(f"/proc/{process_id}/maps") for process_id in process_ids]
+    return any("libfilter_spheroseg" in read_or_nothing(path) for path in maps)
+
+
+def read_or_nothing(path):
+    """Of a process that may have ended."""
+    try:
+        return path.read_text()
+    except OSError:
+        return ""
