@@ -16,15 +16,27 @@ import numpy.typing as npt
 
 from spheroseg.errors import InputError
 from spheroseg.obj_checks import obj_triangle_count
-from spheroseg.ply_faces import PLY_TYPES, corner_counts
+from spheroseg.ply_faces import (
+    FILLING,
+    PLY_TYPES,
+    Element,
+    header_words,
+    ply_elements,
+    ply_format,
+    ply_triangle_count,
+)
 
+#: Of the formats that `checked_triangle_count` knows.
+CHECKED_SUFFIXES = (".ply", ".off", ".obj", ".qobj", ".stl")
 _HEAD_BYTES = 65536
 _BLOCK_BYTES = 2**22
+_PLY_LINE_BYTES = 510  # PyMeshLab takes the rest for a line of its own
 _PLY_LIST_ELEMENTS = (b"vertex", b"face", b"tristrips")
 _PLURALS = {"vertex": "vertices", "face": "faces"}
 _OFF_CORNERS = 4
 # Blanks for Python, but not for PyMeshLab: words would not be the same.
 _ODD_BLANK = re.compile(rb"[\v\f]|\r(?!\n)")
+_CONTROL = re.compile(rb"[\0-\x1f]")
 _STL_HEADER_BYTES = 84
 _STL_FACE_BYTES = 50
 _STL_SAMPLE_BYTES = 1000
@@ -62,43 +74,48 @@ def checked_triangle_count(path: Path) -> int | None:
 
 
 def _check_ply(path: Path, head: bytes, size: int) -> int | None:
-    header, found, body = head.partition(b"end_header")
-    if not found:
-        return None  # PyMeshLab says what is wrong
+    end = re.search(rb"^[ \t\r]*end_header([ \t\r][^\n]*)?(\n|\Z)", head, re.M)
+    if end is None:
+        raise InputError(
+            f"{path}: has no line 'end_header' in its first {len(head):,} bytes; it is damaged, or "
+            "no PLY file"
+        )
+    header = head[: end.start()]
     _check_ply_lines(path, header)
-    has_doubles = re.search(rb"^property.*\b(double|float64)\b", header, re.M)
-    if b"binary_big_endian" in header and has_doubles:
+    has_doubles = re.search(rb"^[ \t]*property.*\b(double|float64)\b", header, re.M)
+    form = ply_format(header)
+    if form is None:
+        raise InputError(
+            f"{path}: the header names no format, expected ascii, binary_little_endian or "
+            "binary_big_endian; the file is damaged"
+        )
+    if form == "binary_big_endian" and has_doubles:
         raise InputError(
             f"{path}: has big-endian numbers of 64 bits, which PyMeshLab reads wrongly; write it "
             "again as binary_little_endian"
         )
-    is_text = re.search(rb"^format\s+ascii", header, re.M) is not None
     needed = 0
-    for element in re.split(rb"^element", header, flags=re.M)[1:]:
-        words = element.split()
-        if len(words) < 2 or not words[1].isdigit():
+    elements = ply_elements(header)
+    for element in elements:
+        name = _shown([element.name])
+        if [one.name for one in elements].count(element.name) > 1:
+            raise InputError(f"{path}: the header declares {name} twice; the file is damaged")
+        lists = [one for one in element.properties if one.length_code]
+        if element.name == b"range_grid" or (lists and element.name not in _PLY_LIST_ELEMENTS):
             raise InputError(
-                f"{path}: the header declares {_shown(words[1:2])} of "
-                f"{_shown(words[:1])}, expected a count; the file is damaged"
+                f"{path}: the element '{name}' has a list, which PyMeshLab can read for vertex and "
+                "face only; write the file again without it"
             )
-        if words[0] not in _PLY_LIST_ELEMENTS and b"property list" in element:
-            raise InputError(
-                f"{path}: the element '{_shown(words[:1])}' has a list, which PyMeshLab can read "
-                "for vertex and face only; write the file again without it"
-            )
-        count = int(words[1])
-        least = _ply_bytes(element, is_text)
-        name = _shown(words[:1])
-        _require(path, size - len(header) - needed, count, _PLURALS.get(name, name), least)
-        needed += count * least
-    corners = corner_counts(path, header, len(head) - len(body) + body.find(b"\n") + 1)
-    return None if corners is None else _triangle_count(corners)
+        least = _ply_bytes(element, form == "ascii")
+        _require(path, size - len(header) - needed, element.count, _PLURALS.get(name, name), least)
+        needed += element.count * least
+    return ply_triangle_count(path, header, end.end())
 
 
 def _check_ply_lines(path: Path, header: bytes) -> None:
-    for number, line in enumerate(header.splitlines()[1:], start=2):
-        words = line.split()
-        if words and not _is_ply_line(words):
+    for number, line in enumerate(header.split(b"\n")[1:], start=2):
+        words = header_words(line)
+        if words and not (_is_ply_line(words) and len(line) < _PLY_LINE_BYTES):
             raise InputError(
                 f"{path}: line {number} of the header is '{_shown([line])}', expected a format, "
                 "comment, element or property; the file is damaged"
@@ -107,21 +124,24 @@ def _check_ply_lines(path: Path, header: bytes) -> None:
 
 def _is_ply_line(words: list[bytes]) -> bool:
     kind, count = words[0], len(words)
+    if kind in (b"comment", b"obj_info"):
+        return True
+    if _CONTROL.search(b"".join(words)):
+        return False
     if kind == b"property" and count > 1 and words[1] == b"list":
         return count == 5 and {words[2], words[3]} <= PLY_TYPES.keys()
     if kind == b"property":
         return count == 3 and words[1] in PLY_TYPES
-    return kind in (b"comment", b"obj_info") or (kind in (b"element", b"format") and count == 3)
+    if kind == b"element":
+        return count == 3 and words[2].isdigit()
+    return kind == b"format" and count == 3
 
 
-def _ply_bytes(element: bytes, is_text: bool) -> int:
+def _ply_bytes(element: Element, is_text: bool) -> int:
     """The least that one entry of an element takes: in text a digit and a space per property."""
-    properties = re.findall(rb"^property\s+(\w+)", element, re.M)
-    if is_text:
-        return 2 * len(properties)
-    counts = re.findall(rb"^property\s+list\s+(\w+)", element, re.M)
-    types = [name for name in properties if name != b"list"] + counts
-    return sum(np.dtype(PLY_TYPES[name]).itemsize for name in types)
+    if is_text or not element.properties:
+        return max(1, 2 * len(element.properties))
+    return sum(np.dtype(one.length_code or one.code).itemsize for one in element.properties)
 
 
 def _check_off(path: Path, _: bytes, size: int) -> int | None:
@@ -143,6 +163,12 @@ def _check_off(path: Path, _: bytes, size: int) -> int | None:
                 f"{path}: ends before all vertices and faces that the header declares; the file "
                 "is cut short or damaged"
             ) from None
+        for line in file:
+            if line.strip(FILLING) and not line.startswith(b"#"):
+                raise InputError(
+                    f"{path}: goes on with '{_shown([line.strip()])}' behind the {face_count:,} "
+                    "faces that the header declares; its counts are wrong, or the file is damaged"
+                )
     return _triangle_count(corners)
 
 

@@ -4,17 +4,25 @@
 import errno
 import io
 import os
+import tempfile
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 
-from spheroseg import atomic
+from spheroseg import atomic, workers
 from spheroseg._plugin import forget_failed_call
 from spheroseg.errors import InputError
-from spheroseg.file_checks import check_is_file, check_name, checked_triangle_count
+from spheroseg.file_checks import (
+    CHECKED_SUFFIXES,
+    check_is_file,
+    check_name,
+    checked_triangle_count,
+)
 
+_NOT_FOUND = ("File does not exist", "Can't open file")
+_LONGEST_REASON = 300
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
 
@@ -33,13 +41,30 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     path = Path(path)
     check_name(path)
     check_is_file(path)
-    expected = checked_triangle_count(path)
+    if path.suffix.lower() in CHECKED_SUFFIXES:
+        return load(path, checked_triangle_count(path))
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "mesh.ply"
+        _copy_elsewhere(path, copy)
+        try:
+            return load(copy, checked_triangle_count(copy))
+        except InputError as error:
+            reason = str(error).removeprefix(f"{copy}: ")
+            raise InputError(
+                f"{path}: MeshLab's reader makes a mesh of it that can not be used ({reason}); "
+                "the file is probably damaged, export it anew"
+            ) from None
+
+
+def load(path: Path, expected: int | None = None) -> pymeshlab.MeshSet:
+    """Reads a file that is there and harmless, as `read_mesh`; `expected`: how many triangles its
+    faces make, where that is known."""
     mesh_set = pymeshlab.MeshSet()
     try:
         mesh_set.load_new_mesh(str(path))
     except pymeshlab.PyMeshLabException as error:
         forget_failed_call()
-        raise InputError(f"{path}: PyMeshLab can not read it: {_reason(str(error))}") from None
+        raise InputError(f"{path}: PyMeshLab can not read it: {_reason(error, path)}") from None
     except MemoryError:
         raise InputError(
             f"{path}: there is not enough memory to read it; close other programs, or use a "
@@ -61,6 +86,22 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
     if face_count == 0:
         raise InputError(f"{path}: has no faces; a triangle mesh is needed")
     return mesh_set
+
+
+def _copy_elsewhere(path: Path, copy: Path) -> None:
+    """Lets another process write the mesh as PLY, as a damaged file may end the one that reads."""
+    task = {"mesh": str(path), "copy": str(copy)}
+    try:
+        [(_, result)] = workers.results("spheroseg.reading_worker", {}, [task])
+    except workers.WorkerError as error:
+        raise InputError(f"{path}: the process that should read it failed: {error}") from None
+    if "refused" in result:
+        raise InputError(result["refused"])
+    if "error" in result:
+        raise InputError(
+            f"{path}: MeshLab's reader crashed on it ({result['error']}); the file is probably "
+            "damaged, export it anew"
+        )
 
 
 def face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
@@ -100,9 +141,8 @@ def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
             read_mesh(temporary)
         except (pymeshlab.PyMeshLabException, InputError) as error:
             forget_failed_call()
-            raise OSError(
-                errno.EIO, "could not be written whole; is the disk full?", str(path)
-            ) from error
+            message = f"could not be written whole; is the disk full? ({_reason(error, temporary)})"
+            raise OSError(errno.EIO, message, str(path)) from error
 
 
 def read_labels(path: str | os.PathLike) -> np.ndarray:
@@ -160,6 +200,14 @@ def set_labels(mesh_set: pymeshlab.MeshSet, labels: np.ndarray) -> None:
     mesh_set.compute_scalar_by_function_per_face(q=_LABEL_ATTRIBUTE)
 
 
-def _reason(message: str) -> str:
+def _reason(error: Exception, path: Path) -> str:
     """The last sentence of PyMeshLab's message; the others repeat the file's name."""
-    return message.rsplit("Error details:", 1)[-1].strip().splitlines()[-1]
+    message = str(error).removeprefix(f"{path}: ")
+    reason = message.rsplit("Error details:", 1)[-1].strip().splitlines()[-1]
+    if reason.startswith(_NOT_FOUND) and not str(path).isascii():
+        return (
+            "it does not find a name that is not ASCII; import spheroseg before pymeshlab, or set "
+            "the environment variable LC_ALL=C.UTF-8"
+        )
+    # It may hold the whole file.
+    return reason if len(reason) <= _LONGEST_REASON else f"{reason[:_LONGEST_REASON]}..."

@@ -18,6 +18,8 @@ from spheroseg.text_numbers import BLANK, PADDING, whole_numbers, word_begins
 
 _BLOCK_BYTES = 2**20
 _END = b"\n#" + PADDING
+# Blanks for `word_begins`, but not for PyMeshLab.
+_CONTROLS = bytes({*range(BLANK)} - {*b"\t\n\r"})
 _NEWLINE, _SLASH, _HASH, _FACE, _QUAD, _VERTEX = b"\n/#fqv"
 
 
@@ -89,6 +91,7 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
                 "one, which PyMeshLab can read with Unix line ends only; convert them"
             )
         block = re.sub(rb"\\\r?\n", lambda end: b" " * len(end[0]), block)
+    _check_controls(path, block, place)
     text = np.frombuffer(b"\n" + block.removesuffix(b"\n") + _END, dtype=np.uint8)
     keywords = _keywords(text)
     places = keywords + (place - 1)
@@ -121,6 +124,17 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
         last = indices.argmax()
         kind.largest = max(kind.largest, (int(indices[last]), int(line_places[last])))
     return faces.triangle_count()
+
+
+def _check_controls(path: Path, block: bytes, place: int) -> None:
+    if len(block.translate(None, _CONTROLS)) == len(block):
+        return
+    for line in re.finditer(rb"^[\0-\t\v-\x20]*[fqv].*", block, re.M):
+        if line[0].translate(None, _CONTROLS) != line[0]:
+            raise InputError(
+                f"{path}: line {_line_number(path, place + line.start())}: a vertex or face has "
+                "control characters between its words; the file is damaged"
+            )
 
 
 def _keywords(text: np.ndarray) -> np.ndarray:

@@ -105,12 +105,12 @@ def exit_code_of_fork(work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", [*FORMATS, "text.polygons.ply", "little.polygons.ply"])
 def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
     # In processes of their own: PyMeshLab might end one.
     generator = random.Random(2)
     for case in range(30):
-        content = bytearray(whole[name])
+        content = bytearray(whole.get(name) or polygon_bytes(name, *grid(9)))
         for _ in range(3):
             content[generator.randrange(len(content))] = generator.randrange(256)
 
@@ -194,6 +194,22 @@ def test_a_comment_behind_an_obj_face_is_refused(outcome, comment):
 
 def test_comments_elsewhere_in_an_obj_are_none_of_its_faces(outcome):
     content = "# f 9 9 9\n" + TETRAHEDRON.replace("v 1 0 0", "v 1 0 0 # f 9") + "f 2 4 3\n#end"
+    assert outcome("obj", content.encode()) == (0, "")
+
+
+@pytest.mark.parametrize("control", ["\0", "\1", "\2", "\10", "\v", "\f", "\16", "\37"])
+@pytest.mark.parametrize(
+    "line", ["f {}2 4 3", "f 2 4{}3", "{}f 2 4 3", "f 2 \\\n4 {}3", "v{}1 0 0"]
+)
+def test_control_characters_in_an_obj_are_refused(outcome, line, control):
+    # PyMeshLab takes them for a part of the word.
+    result = outcome("obj", (TETRAHEDRON + line.format(control) + "\n").encode())
+    assert_refused(result)
+    assert "line 8: a vertex or face has control characters" in result[1]
+
+
+def test_control_characters_elsewhere_in_an_obj_do_no_harm(outcome):
+    content = "# \1\f\n\0\n" + TETRAHEDRON + "g f\2\n" + "f 2 4 3\r\n\0\0\n"
     assert outcome("obj", content.encode()) == (0, "")
 
 
@@ -319,7 +335,7 @@ def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
 
 @pytest.mark.parametrize("order", ["big", "little"])
 def test_lengths_of_ply_lists_are_read_in_the_files_order(tmp_path, order):
-    # Of 16 bits, with a long face, so that neither is like any other reading of it.
+    # Of 32 bits, with a long face, so that neither is like any other reading of it.
     corners = 2 * np.pi * np.arange(140) / 140
     vertices = np.stack((np.cos(corners), np.sin(corners), 0 * corners), axis=1)
     content = polygon_bytes(f"{order}.ply", vertices, [list(range(140))])
@@ -327,11 +343,176 @@ def test_lengths_of_ply_lists_are_read_in_the_files_order(tmp_path, order):
     path = tmp_path / "mesh.ply"
     path.write_bytes(content)
     assert file_checks.checked_triangle_count(path) == 138
-    short = struct.pack(f"{sign}H", 140)
-    content = content.replace(b"list uchar", b"list ushort")
-    content = content.replace(b"\x07\x8c", b"\x07" + short)
+    length = struct.pack(f"{sign}I", 140)
+    content = content.replace(b"list uchar", b"list int")
+    content = content.replace(b"\x07\x8c", b"\x07" + length)
     path.write_bytes(content)
     assert file_checks.checked_triangle_count(path) == 138
+
+
+PLY_HEADER = """ply
+format {form} 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face {count}
+property list {types} vertex_indices
+end_header
+"""
+CODES = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
+
+
+def ply_bytes(form, faces, types="uchar int"):
+    """Four corners of a tetrahedron with these faces, in a PLY."""
+    header = PLY_HEADER.format(form=form, count=len(faces), types=types)
+    points = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]
+    if form == "ascii":
+        lines = [" ".join(map(str, [len(face), *face])) for face in faces]
+        return (header + " ".join(map(str, points)) + "\n" + "\n".join(lines) + "\n").encode()
+    order = ">" if form == "binary_big_endian" else "<"
+    length, index = (CODES[name] for name in types.split())
+    rows = [struct.pack(f"{order}{length}{len(f)}{index}", len(f), *f) for f in faces]
+    return header.encode() + struct.pack(f"{order}12f", *points) + b"".join(rows)
+
+
+PLY_FORMS = ["ascii", "binary_little_endian", "binary_big_endian"]
+PLY_FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2]]
+
+
+@pytest.mark.parametrize(
+    "types", ["uchar int", "char uint", "int int", "uchar uint", "uchar short"]
+)
+@pytest.mark.parametrize("form", PLY_FORMS)
+def test_a_ply_index_of_a_vertex_that_is_not_there_is_refused(outcome, form, types):
+    # PyMeshLab looks at the first three only, and at most of the others.
+    assert outcome("ply", ply_bytes(form, [*PLY_FACES, [1, 2, 3]], types)) == (0, "")
+    wrong = [1, 2, 3, 4] if "u" in types.split()[1] else [1, 2, 3, -1]
+    for face in (wrong, wrong[1:]):
+        result = outcome("ply", ply_bytes(form, [*PLY_FACES, face], types))
+        assert_refused(result)
+        assert f"face 3 names the vertex {wrong[-1]}, expected an index in [0, 4)" in result[1]
+
+
+@pytest.mark.parametrize("form", PLY_FORMS)
+def test_a_ply_face_of_too_few_or_too_many_corners_is_refused(outcome, form):
+    # PyMeshLab takes the third corner from the face before, and has room for 512.
+    for corners in ([1, 2], 200 * [1, 2, 3]):
+        result = outcome("ply", ply_bytes(form, [*PLY_FACES, corners], "int int"))
+        assert_refused(result)
+        assert f"face 3 has {len(corners)} corners, expected 3 to 255" in result[1]
+
+
+def test_a_ply_length_that_shifts_what_follows_is_refused(outcome):
+    # The faces behind it are then read from the middle of others.
+    content = bytearray(ply_bytes("binary_little_endian", 300 * PLY_FACES))
+    content[-13 * 400] = 5
+    assert_refused(outcome("ply", bytes(content)))
+
+
+@pytest.mark.parametrize(
+    ("form", "types"),
+    [("binary_little_endian", "int uint"), ("binary_big_endian", "int short")]
+    + [(form, types) for form in PLY_FORMS for types in ("ushort int", "uchar ushort")],
+)
+def test_types_of_ply_corners_that_pymeshlab_can_not_read_are_refused(outcome, form, types):
+    result = outcome("ply", ply_bytes(form, PLY_FACES, types))
+    assert_refused(result)
+    assert "property list uchar int vertex_indices" in result[1]
+
+
+@pytest.mark.parametrize(
+    ("declared", "length", "complaint"),
+    [
+        ("list uchar float texcoord", 6, None),
+        ("list uchar float texcoord", 33, "a list 'texcoord' of 33 entries"),
+        ("list uchar float color", 200, "a list 'color' of 200 entries"),
+        ("list uchar float other", 128, None),
+        ("list uchar float other", 129, "a list 'other' of 129 entries"),
+        ("list int float other", 6, "a list 'other' of 6 entries"),
+    ],
+)
+def test_other_lists_of_binary_ply_faces_must_fit_into_pymeshlabs_room(
+    outcome, declared, length, complaint
+):
+    content = ply_bytes("binary_little_endian", PLY_FACES)
+    content = content.replace(b"end_header", f"property {declared}\nend_header".encode())
+    values = struct.pack("<B" if "uchar" in declared else "<i", length) + bytes(4 * length)
+    at = len(content) - 3 * 13
+    faces = [content[at + 13 * i : at + 13 * (i + 1)] + values for i in range(3)]
+    result = outcome("ply", content[:at] + b"".join(faces))
+    if complaint is None:
+        assert result == (0, "")
+    else:
+        assert_refused(result)
+        assert complaint in result[1]
+
+
+STRIPS = b"element tristrips 1\nproperty list int int vertex_indices"
+
+
+@pytest.mark.parametrize(
+    ("strip", "complaint"),
+    [
+        ([0, 1, 2, 3, 0], None),
+        ([0, 1, 2, 3, -1, 1, 0, 3, -1], None),
+        ([0, 1, 2, 4], "names the vertex 4"),
+        ([0, 1, 2, -2], "names the vertex -2"),
+        ([0, 1, 2, -1, 0, -1, 1, 2, 3], "fewer than two corners"),
+        ([0, -1, 2, 1], "fewer than two corners"),
+    ],
+)
+@pytest.mark.parametrize("form", PLY_FORMS)
+def test_triangle_strips_that_pymeshlab_would_follow_too_far_are_refused(
+    outcome, form, strip, complaint
+):
+    content = ply_bytes(form, [strip], "int int")
+    content = re.sub(rb"element face 1\n.*indices", STRIPS, content)
+    result = outcome("ply", content)
+    if complaint is None:
+        assert result == (0, "")
+    else:
+        assert_refused(result)
+        assert complaint in result[1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("0 1 0", "0 1.0.5 0", "line 10: '1.0.5' is no number"),
+        ("0 1 0", "0 1-2 0", "line 10: '1-2' is no number"),
+        ("0 1 0", "0 1e0.5 0", "line 10: '1e0.5' is no number"),
+        ("0 1 0", "0 infinity2 0", "line 10: 'infinity2' is no number"),
+        ("3 0 1 3", "3 0 one 3", "line 12: 'one' is no number"),
+        ("3 0 1 3", "3 0 1.0 3", "face 1 has a fraction"),
+        ("3 0 1 3", "0000000000000000000003 0 1 3", "face 1 has"),
+        ("3 0 1 3", "4294967299 0 1 3", "face 1 does not end"),
+        ("3 0 1 3", "-3 0 1 3", "face 1 does not end"),
+        ("list uchar int", "list uchar int vertex_index\nproperty list uchar int", "can not read"),
+        ("element face", "element vertex 1\nelement face", "declares vertex twice"),
+        ("element face", "comment\relement face", "numbers more than"),
+        ("element face", "element\vface", "line 7 of the header"),
+        ("element face", "comment " + 600 * "c" + "\nelement face", "line 7 of the header"),
+        ("element face 3", "  element face 300000000", "declares 300,000,000 faces"),
+        ("end_header", "comment end_header", "no line 'end_header'"),
+        ("format ascii", "format asci", "names no format"),
+        ("end_header", "element edge 4000000000\nend_header", "declares 4,000,000,000 edge"),
+    ],
+)
+def test_a_ply_that_pymeshlab_reads_otherwise_than_written_is_refused(outcome, old, new, complaint):
+    content = ply_bytes("ascii", PLY_FACES).decode()
+    assert outcome("ply", content.encode()) == (0, "")
+    result = outcome("ply", content.replace(old, new, 1).encode())
+    assert_refused(result)
+    assert complaint in result[1]
+
+
+def test_numbers_of_a_text_ply_may_be_written_in_any_way(tmp_path):
+    content = ply_bytes("ascii", [[0, 1, 2]]).replace(b"\n3 0 1 2", b"\n+3 0\v1\f 002\r")
+    content = content.replace(b" 1 0 0 0 1 0 0 0 1", b" 1e0 -0.E+2 .0 +0 1. 0 nan -INF Infinity")
+    path = tmp_path / "mesh.ply"
+    path.write_bytes(content)
+    assert mesh_files.read_mesh(path).current_mesh().face_matrix().tolist() == [[0, 1, 2]]
 
 
 def test_big_endian_doubles_are_refused(outcome):
@@ -385,12 +566,13 @@ def test_a_text_stl_of_several_solids_is_read_whole(tmp_path, whole):
     assert mesh_files.read_mesh(path).current_mesh().face_number() == 12
 
 
-def gltf_bytes(mesh_count, primitive_count):
-    """A glTF file of single triangles."""
+def gltf_bytes(mesh_count, primitive_count, view=0):
+    """A glTF file of single triangles; `view`: which part of the buffer has the vertices, there is
+    only 0."""
     data = np.eye(3, dtype="<f4").tobytes()
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     mesh = {"primitives": [{"attributes": {"POSITION": 0}}] * primitive_count}
-    position = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
+    position = {"bufferView": view, "componentType": 5126, "count": 3, "type": "VEC3"}
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -414,6 +596,39 @@ def test_one_gltf_mesh_of_several_parts_is_read_whole(tmp_path):
     path = tmp_path / "mesh.gltf"
     path.write_bytes(gltf_bytes(1, 4))
     assert mesh_files.read_mesh(path).current_mesh().face_number() == 4
+
+
+def test_a_file_that_crashes_meshlabs_reader_is_refused(tmp_path, capfd):
+    path = tmp_path / "mesh.gltf"
+    path.write_bytes(gltf_bytes(1, 1, view=2**28))
+    assert cli.main(["segment", str(path)]) == 2
+    line = capfd.readouterr().err
+    assert line.startswith(f"spheroseg segment: {path}: MeshLab's reader crashed on it (")
+    assert line.endswith("; the file is probably damaged, export it anew\n")
+    assert line.count("\n") == 1
+
+
+def test_what_meshlab_says_is_cut_to_a_readable_length(outcome):
+    content = gltf_bytes(1, 1).replace(b";base64,", b";base64," + 1000 * b"!")
+    result = outcome("gltf", content)
+    assert_refused(result)
+    assert result[1].endswith("...\n")
+
+
+def test_a_mesh_of_another_format_keeps_all_that_it_has(tmp_path):
+    path = tmp_path / "mesh.3ds"
+    made = pymeshlab.MeshSet()
+    made.load_new_mesh(str(CUBE))
+    made.compute_color_by_function_per_face(r="20*fi", g="9", b="7")
+    made.compute_texcoord_parametrization_triangle_trivial_per_wedge(textdim=64)
+    made.save_current_mesh(str(path))
+    made.load_new_mesh(str(path))
+    read = mesh_files.read_mesh(path)
+    mesh, expected = read.current_mesh(), made.current_mesh()
+    assert np.array_equal(mesh.face_matrix(), expected.face_matrix())
+    assert np.array_equal(mesh.vertex_matrix(), expected.vertex_matrix())
+    assert np.array_equal(mesh.face_color_matrix(), expected.face_color_matrix())
+    assert np.array_equal(mesh.wedge_tex_coord_matrix(), expected.wedge_tex_coord_matrix())
 
 
 def test_a_ply_list_that_pymeshlab_can_not_skip_is_refused(outcome, whole):
@@ -471,6 +686,33 @@ def test_an_off_header_that_declares_too_much_costs_no_memory(outcome, whole, pl
 def test_an_stl_header_that_declares_too_much_is_refused_at_once(outcome, whole, body, count):
     content = whole["stl"][:80] + count.to_bytes(4, "little") + (body or whole["stl"][84:])
     assert_refused(outcome("stl", content))
+
+
+@pytest.mark.parametrize(
+    ("name", "rest"),
+    [
+        ("text.ply", "has 36 numbers more"),
+        ("little.ply", "has 108 bytes more"),
+        ("big.ply", "has 108 bytes more"),
+        ("mesh.off", "behind the 11 faces"),
+    ],
+)
+def test_a_header_that_declares_fewer_faces_than_there_are_is_refused(outcome, name, rest):
+    vertices, faces = grid(5)
+    content = polygon_bytes(name, vertices, faces)
+    assert len(faces) == 17
+    declared = (b"element face 17", b"element face 11")
+    if name == "mesh.off":
+        declared = (b"25 17 0", b"25 11 0")
+    result = outcome(name, content.replace(*declared))
+    assert_refused(result)
+    assert rest in result[1]
+
+
+@pytest.mark.parametrize("filling", [b"\n", b" \r\n\n", bytes(500), b"\x1a", b"\n\0\0"])
+@pytest.mark.parametrize("name", ["text.ply", "little.ply", "big.ply", "mesh.off"])
+def test_what_only_fills_the_end_of_a_file_is_none_of_it(outcome, name, filling):
+    assert outcome(name, polygon_bytes(name, *grid(5)) + filling) == (0, "")
 
 
 def test_a_ply_header_without_a_count_is_refused(outcome, whole):
