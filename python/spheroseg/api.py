@@ -3,6 +3,7 @@
 
 import numbers
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import pymeshlab
 from numpy.typing import ArrayLike
 
 from spheroseg._plugin import apply_filter, load_plugin
-from spheroseg.arrays import as_face_weights, as_faces, as_labels, as_vertices
+from spheroseg.arrays import as_face_weights, as_labels, as_mesh
 from spheroseg.errors import InputError
 
 SEGMENT_FILTER = "compute_scalar_by_balanced_segmentation_per_face"
@@ -46,7 +47,7 @@ TETRAHEDRON = (np.eye(4, 3), np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3
 
 @dataclass(frozen=True, eq=False)
 class Segmentation:
-    """Result of `segment`.
+    """Result of `segment`; `labels, measures = segment(...)` works as well.
 
     labels: int32 array of shape (F,), the sub-mesh of each face, in [0, k).
     measures: everything that the filter returns, by name (docs/measures.md).
@@ -55,10 +56,13 @@ class Segmentation:
     labels: np.ndarray
     measures: dict[str, Any]
 
+    def __iter__(self) -> Iterator[Any]:
+        yield from (self.labels, self.measures)
+
 
 @dataclass(frozen=True, eq=False)
 class Parametrization:
-    """Result of `parametrize`.
+    """Result of `parametrize`; `positions, measures = parametrize(...)` works as well.
 
     positions: float64 array of shape (V, 3), unit vectors; (0, 0, 1) for vertices of no face.
     measures: everything that the filter returns, by name (docs/measures.md).
@@ -66,6 +70,9 @@ class Parametrization:
 
     positions: np.ndarray
     measures: dict[str, Any]
+
+    def __iter__(self) -> Iterator[Any]:
+        yield from (self.positions, self.measures)
 
 
 def segment(
@@ -79,10 +86,11 @@ def segment(
 ) -> Segmentation:
     """Cuts a mesh into sub-meshes whose triangle counts differ by at most one.
 
-    vertices: (V, 3) finite numbers. faces: (F, 3) integers in [0, V), three different ones each.
-    No edge may have more than two faces; holes, handles and several components are fine (their
-    sizes then limit how little the counts can differ). The method all_pairs needs one closed,
-    oriented, two-manifold component of genus 0. Vertices that no face names are allowed.
+    vertices: (V, 3) numbers, finite where a face names the vertex. faces: (F, 3) integers in
+    [0, V), three different ones each. No edge may have more than two faces; holes, handles and
+    several components are fine (their sizes then limit how little the counts can differ). The
+    method all_pairs needs one closed, oriented, two-manifold component of genus 0. Vertices that no
+    face names are allowed.
     submesh_count: k, from the number of components to F; by default 200, or ceil(F / 10) if
     that is less.
     face_weights: (F,) finite numbers, none negative; with balance="weight", which without them
@@ -95,8 +103,7 @@ def segment(
     The same seed gives the same labels for any thread_count. The mesh is not changed, and faces
     keep their order. Raises InputError when the mesh or an option can not be used.
     """
-    vertices = as_vertices(vertices)
-    faces = as_faces(faces, len(vertices))
+    vertices, faces = as_mesh(vertices, faces)
     if submesh_count is not None:
         options["submesh_count"] = submesh_count
     parameters = segment_parameters(options)
@@ -119,8 +126,7 @@ def parametrize(vertices: ArrayLike, faces: ArrayLike) -> Parametrization:
 
     Raises InputError when the mesh can not be used.
     """
-    vertices = as_vertices(vertices)
-    mesh_set = _mesh_set(vertices, as_faces(faces, len(vertices)))
+    mesh_set = _mesh_set(*as_mesh(vertices, faces))
     measures = run_filter(mesh_set, PARAMETRIZE_FILTER)
     return Parametrization(sphere_positions(mesh_set), measures)
 
@@ -131,8 +137,7 @@ def measure(vertices: ArrayLike, faces: ArrayLike, labels: ArrayLike) -> dict[st
     vertices, faces: as for `segment`, but any surface will do. labels: (F,) whole numbers in
     [0, 2^24). Returns the measures by name. Raises InputError when an array can not be used.
     """
-    vertices = as_vertices(vertices)
-    faces = as_faces(faces, len(vertices))
+    vertices, faces = as_mesh(vertices, faces)
     return run_filter(
         labelled_mesh_set(vertices, faces, as_labels(labels, len(faces))), MEASURE_FILTER
     )

@@ -10,16 +10,20 @@ from spheroseg.errors import InputError
 LABEL_LIMIT = 2**24
 
 
-def as_vertices(vertices: ArrayLike) -> np.ndarray:
-    """A (V, 3) array of finite float64, C-contiguous."""
-    array = _numeric("vertices", vertices, (3,), "(V, 3)").astype(np.float64, order="C")
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        row, column = (int(index) for index in bad[0])
-        raise InputError(
-            f"vertices must be finite; vertex {row} has {'xyz'[column]} = {array[row, column]}"
-        )
-    return array
+def as_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Arrays of (V, 3) float64 and, as `as_faces`, of (F, 3) int32. Vertices that a face names are
+    finite; the others do not matter."""
+    points = _numeric("vertices", vertices, (3,), "(V, 3)").astype(np.float64, order="C")
+    triangles = as_faces(faces, len(points))
+    bad = ~np.isfinite(points)
+    if bad.any():
+        is_named = np.zeros(len(points), dtype=bool)
+        is_named[triangles] = True
+        for row, column in np.argwhere(bad & is_named[:, np.newaxis])[:1]:
+            raise InputError(
+                f"vertices must be finite; vertex {row} has {'xyz'[column]} = {points[row, column]}"
+            )
+    return points, triangles
 
 
 def as_faces(faces: ArrayLike, vertex_count: int) -> np.ndarray:

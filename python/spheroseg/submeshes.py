@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from spheroseg.arrays import as_faces, as_labels, as_single_precision, as_vertices
+from spheroseg.arrays import as_labels, as_mesh, as_single_precision
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 
@@ -69,8 +69,7 @@ def split_into_submeshes(
     O(F log F + k). Raises InputError when an array can not be used, an edge has more than two
     faces, or a label is so large that nearly all sub-meshes would be empty.
     """
-    vertices = as_vertices(vertices)
-    faces = as_faces(faces, len(vertices))
+    vertices, faces = as_mesh(vertices, faces)
     labels = as_labels(labels, len(faces), submesh_count)
     if submesh_count is None:
         submesh_count = int(labels.max()) + 1

@@ -15,6 +15,7 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
+from processes import run_python
 from shapes import bumpy_sphere
 
 import spheroseg
@@ -89,13 +90,24 @@ def test_labels_are_balanced_for_any_k_and_measured_rightly(sample_arrays, name,
     assert_same_measures(result.measures, recount.measures(faces, result.labels))
 
 
-def test_k_is_200_by_default_and_fewer_for_small_meshes(sample_arrays):
+def test_results_can_be_unpacked(cube):
+    result = spheroseg.segment(*cube, 3)
+    labels, measures = result
+    assert (labels is result.labels, measures is result.measures) == (True, True)
+    result = spheroseg.parametrize(*cube)
+    positions, measures = result
+    assert (positions is result.positions, measures is result.measures) == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "face_count", "k"),
+    [("cube.obj", 12, 2), ("flat_leaf.ply", 1_280, 128), ("displaced_sphere.ply", 5_120, 200)],
+)
+def test_k_is_200_by_default_or_a_tenth_of_the_triangles(sample_arrays, name, face_count, k):
+    vertices, faces = sample_arrays[name]
+    assert len(faces) == face_count
     options = {"max_cohesion_iterations": 1, "max_refinement_iterations": 1}
-    large = spheroseg.segment(*sample_arrays["displaced_sphere.ply"], **options)
-    assert large.measures["submesh_count"] == 200
-    for name in ("cube.obj", "flat_leaf.ply"):
-        small = spheroseg.segment(*sample_arrays[name], **options)
-        assert 1 <= small.measures["submesh_count"] < 200
+    assert spheroseg.segment(vertices, faces, **options).measures["submesh_count"] == k
 
 
 def test_triangles_per_submesh_gives_the_ceiling(sample_arrays):
@@ -352,12 +364,7 @@ other.load_new_mesh(sys.argv[1])
 print("loaded")
 """
     fill_freed_memory = {"MALLOC_PERTURB_": "165"}
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(PYMESHLAB_MESHES[0])],
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **fill_freed_memory},
-    )
+    done = run_python("-c", script, PYMESHLAB_MESHES[0], **fill_freed_memory)
     assert (done.returncode, done.stdout) == (0, "refused\nloaded\n"), done.stderr
 
 
@@ -419,11 +426,8 @@ sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
     [(2, 2, 3), (0, 2, 3), (2, 1, 0), (1, 2, 0), (-1, 2, 0)],
 )
 def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, code):
-    done = subprocess.run(
-        [sys.executable, "-c", FORK, str(in_parent), str(in_child)],
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY / "python")},
-    )
-    assert done.returncode == code
+    done = run_python("-c", FORK, in_parent, in_child)
+    assert done.returncode == code, done.stderr
 
 
 FORK_AFTER_THREADS = """
@@ -502,3 +506,16 @@ def test_no_faces_are_an_input_error():
     ):
         with pytest.raises(spheroseg.InputError, match="at least one triangle"):
             call()
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_vertices_that_no_face_names_need_not_be_finite(sample_arrays, value):
+    vertices, faces = sample_arrays["flat_leaf.ply"]
+    loose = np.vstack((vertices, [[value, 0, -value]]))
+    expected, result = segment((vertices, faces), 5), segment((loose, faces), 5)
+    assert np.array_equal(result.labels, expected.labels)
+    for labelled in (result.labels, expected.labels):
+        assert (
+            spheroseg.measure(loose, faces, labelled)["boundary_edge_count"]
+            == (expected.measures["boundary_edge_count"])
+        )

@@ -28,6 +28,9 @@ from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.split import write_split
 from spheroseg.submeshes import MAX_SHORT_VERTICES, split_into_submeshes
 
+# Bytes of glTF's types: unsigned short, unsigned int, float.
+COMPONENT_SIZES = {5123: 2, 5125: 4, 5126: 4}
+
 
 def sectors(vertices: np.ndarray, faces: np.ndarray, k: int) -> np.ndarray:
     """Labels by longitude: k sub-meshes like slices of an orange."""
@@ -195,18 +198,29 @@ def test_glb_header_buffers_and_materials_agree(labelled):
         int.from_bytes(data[20 + json_length :][:4], "little")
         >= (document["buffers"][0]["byteLength"])
     )
-    sizes = {5123: 2, 5125: 4, 5126: 4}
     width = {"SCALAR": 1, "VEC3": 3}
     for accessor in document["accessors"]:
         view = document["bufferViews"][accessor["bufferView"]]
-        expected = sizes[accessor["componentType"]] * width[accessor["type"]] * accessor["count"]
-        assert view["byteLength"] == expected
-        assert view["byteOffset"] % 4 == 0
+        size = COMPONENT_SIZES[accessor["componentType"]]
+        assert view["byteLength"] == size * width[accessor["type"]] * accessor["count"]
     primitives = document["meshes"][0]["primitives"]
     assert [p["extras"]["submesh"] for p in primitives] == list(range(7))
     for submesh, primitive in enumerate(primitives):
         around = submeshes.neighbours[slice(*submeshes.neighbour_starts[submesh:][:2])]
         assert primitive["material"] not in {primitives[other]["material"] for other in around}
+
+
+def test_glb_arrays_are_aligned_to_their_components():
+    pytest.importorskip("pygltflib")
+    # Odd numbers of triangles have 16-bit indices that end between two floats.
+    data = glb_bytes(split_into_submeshes(*octahedron(), [0] * 3 + [1] * 5))
+    document = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+    accessors = document["accessors"]
+    assert [a["count"] for a in accessors if a["type"] == "SCALAR"] == [9, 15]
+    for accessor in accessors:
+        view = document["bufferViews"][accessor["bufferView"]]
+        offset = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        assert offset % COMPONENT_SIZES[accessor["componentType"]] == 0
 
 
 def glb_colours(data: bytes) -> list[list[int]]:
@@ -431,6 +445,13 @@ def test_a_link_stays_and_what_it_leads_to_is_replaced(tmp_path):
     atomic.write_text(tmp_path / "link.txt", "new")
     assert (tmp_path / "link.txt").is_symlink()
     assert (tmp_path / "far" / "result.txt").read_text() == "new"
+
+
+def test_nobody_else_may_read_what_is_about_to_replace_a_file(tmp_path):
+    (tmp_path / "secret").touch(0o600)
+    with atomic.atomic_path(tmp_path / "secret") as temporary:
+        temporary.write_text("new")
+        assert temporary.stat().st_mode & 0o777 == 0o600
 
 
 def test_an_error_names_the_file_that_was_wanted(tmp_path):
