@@ -8,6 +8,7 @@ import errno
 import os
 import re
 import secrets
+import shutil
 import socket
 import time
 from collections.abc import Iterator
@@ -25,15 +26,20 @@ class DiskFullError(OSError):
 @contextlib.contextmanager
 def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
     """Yields a temporary path in the folder of `path`; renames it to `path` when the block ends
-    well, removes it otherwise. A symbolic link stays one: what it leads to is replaced. `suffix` is
-    for writers that go by it. Raises DiskFullError when the disk has no room."""
+    well, removes it otherwise. A file that is replaced leaves its permissions to the new one. A
+    symbolic link stays one: what it leads to is replaced. `suffix` is for writers that go by it.
+    Raises DiskFullError when the disk has no room."""
     target = Path(path).resolve()
     temporary = _temporary_beside(target, suffix)
     try:
         with _explained(path, temporary):
+            if target.exists():
+                temporary.touch(0o600)  # what nobody may read must not be readable meanwhile
             yield temporary
             with temporary.open("rb") as stream:
                 os.fsync(stream.fileno())
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copymode(target, temporary)
             temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)

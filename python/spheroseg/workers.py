@@ -34,30 +34,44 @@ class WorkerError(RuntimeError):
 def results(module: str, job: Message, tasks: list[Message]) -> Iterator[tuple[Message, Message]]:
     """Each task with its result, from processes that run `python -m module` one after the other.
 
-    A task that ends its process has the result {"status": "failed", "error": reason}; those after
-    it go on in a new process. The facts of `serve` are part of each result. Raises WorkerError
-    where a process ends before its first task.
+    A task that ends its process, or whose result is no JSON, has the result {"status": "failed",
+    "error": reason}; those after it go on in a new process. The facts of `serve` are part of each
+    result. Raises WorkerError where a process ends before its first task.
     """
     waiting = collections.deque(tasks)
     while waiting:
-        facts = None
+        facts = reason = None
         with tempfile.TemporaryFile() as complaints:
             with _fed(module, job | {"tasks": list(waiting)}, complaints) as process:
                 for line in process.stdout:
                     if not line.endswith("\n"):
                         break  # killed while it wrote
+                    message = _message(line)
+                    if message is None:
+                        # Those that follow might be taken for results of other tasks.
+                        process.kill()
+                        reason = f"the process said '{line.strip()[:80]}' instead of a result"
+                        break
                     if facts is None:
-                        facts = json.loads(line)
+                        facts = message
                     else:
-                        yield waiting.popleft(), facts | json.loads(line)
+                        yield waiting.popleft(), facts | message
             length = complaints.seek(0, os.SEEK_END)
             complaints.seek(max(0, length - _MOST_OF_STDERR))
             said = complaints.read().decode(errors="replace")
-        reason = failure_reason(process.returncode, said)
+        reason = reason or failure_reason(process.returncode, said)
         if facts is None:
             raise WorkerError(reason)
         if waiting:
             yield waiting.popleft(), facts | {"status": "failed", "error": reason}
+
+
+def _message(line: str) -> Message | None:
+    try:
+        message = json.loads(line)
+    except ValueError:
+        return None
+    return message if isinstance(message, dict) else None
 
 
 @contextlib.contextmanager
@@ -79,8 +93,10 @@ def start(module: str, stderr: IO | int) -> subprocess.Popen:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=stderr,
-        text=True,
-        env=package_environment(),
+        # Not by the locale, and what is said of a failure can always be read.
+        encoding="utf-8",
+        errors="replace",
+        env=package_environment() | {"PYTHONIOENCODING": "utf-8"},
     )
 
 

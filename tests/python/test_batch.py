@@ -4,6 +4,8 @@ from __future__ import annotations
 import contextlib
 import csv
 import dataclasses
+import errno
+import fcntl
 import hashlib
 import json
 import os
@@ -20,10 +22,11 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
+from processes import children, environment, has_plugin, is_running, wait_until
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
-from spheroseg import atomic, workers
+from spheroseg import atomic, cores, workers
 from spheroseg.batch import inputs, jobs, runner
 from spheroseg.cli import main
 from spheroseg.errors import InputError
@@ -53,13 +56,13 @@ def folder_of_meshes(tmp_path_factory) -> Path:
 
 
 def start_batch(*arguments) -> subprocess.Popen:
-    package = Path(spheroseg.__file__).parents[1]
     return subprocess.Popen(
         [sys.executable, "-m", "spheroseg", "batch", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        env=dict(os.environ, PYTHONPATH=str(package)),
+        errors="replace",
+        env=environment(),
     )
 
 
@@ -85,13 +88,6 @@ def rows(output: Path) -> list[dict[str, str]]:
 
 def record_count(output: Path) -> int:
     return sum(1 for _ in (output / jobs.RECORD_FOLDER).rglob("[!.]*.json"))
-
-
-def wait_until(condition, seconds: float = 60) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 def wait_for_records(output: Path, count: int, process: subprocess.Popen) -> None:
@@ -159,32 +155,21 @@ def test_killed_and_resumed_run_gives_the_manifest_of_an_undisturbed_one(
     assert not list(output.rglob("*.spheroseg-part"))
 
 
-def is_alive(process_id: int) -> bool:
-    try:
-        return Path(f"/proc/{process_id}/cmdline").read_bytes() != b""
-    except OSError:
-        return False
-
-
 def test_no_process_outlives_a_killed_batch(tmp_path):
     write_mesh(tmp_path / "a.ply", levels=7)
     options = ["-k", 20, "--effort", "high", "--threads", 1]
     process = start_batch(tmp_path / "a.ply", "-o", tmp_path / "out", *options)
-    threads = Path(f"/proc/{process.pid}/task")
-    workers = []
+    workers = set()
     try:
-        wait_until(lambda: any(path.read_text() for path in threads.glob("*/children")))
-        workers = [int(word) for p in threads.glob("*/children") for word in p.read_text().split()]
-        # Until it is far beyond its first steps; the mesh takes it many times as long.
-        wait_until(lambda: "libfilter_spheroseg" in Path(f"/proc/{workers[0]}/maps").read_text())
-        time.sleep(1)
+        wait_until(lambda: has_plugin(children(process.pid)))
+        workers = children(process.pid)
         process.kill()
         process.communicate()
-        time.sleep(0.5)
-        assert not any(map(is_alive, workers))
+        wait_until(lambda: not any(map(is_running, workers)))
+        assert not list(tmp_path.glob("out/*.ply"))  # they did not end by themselves
     finally:
         process.kill()
-        for worker in filter(is_alive, workers):
+        for worker in filter(is_running, workers):
             os.kill(worker, signal.SIGKILL)
 
 
@@ -192,14 +177,15 @@ def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
     for index in range(5):
         write_mesh(tmp_path / "in" / f"mesh{index}.ply", seed=index)
     output = tmp_path / "out"
+    records = output / jobs.RECORD_FOLDER
     arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "--workers", "2"]
     assert main([*arguments, "-k", "4"]) == 0
-    before = {p.name: p.stat().st_mtime_ns for p in (output / jobs.RECORD_FOLDER).iterdir()}
+    before = {path.name: path.stat().st_mtime_ns for path in records.glob("*.json")}
     write_mesh(tmp_path / "in" / "mesh1.ply", seed=99)
     (output / "mesh2.ply").unlink()
     (output / "mesh3.ply").write_bytes(b"damaged")
     assert main([*arguments, "-k", "4", "--resume"]) == 0
-    after = {p.name: p.stat().st_mtime_ns for p in (output / jobs.RECORD_FOLDER).iterdir()}
+    after = {path.name: path.stat().st_mtime_ns for path in records.glob("*.json")}
     assert {name for name in before if before[name] != after[name]} == {
         "mesh1.json",
         "mesh2.json",
@@ -232,6 +218,52 @@ def test_resume_with_other_formats_leaves_nothing_that_contradicts_it(tmp_path):
     arguments = ["batch", str(output / "b.ply"), "-o", str(output), "--formats", "npy", "--resume"]
     assert main([*arguments, "-k", "5"]) == 0
     assert (output / "b.ply").is_file()
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_mesh_that_is_there_and_fails_keeps_no_result_of_an_earlier_run(is_there, tmp_path):
+    output = tmp_path / "out"
+    meshes = [tmp_path / f"{name}.ply" for name in ("a", "b")]
+    for mesh in meshes:
+        write_mesh(mesh)
+    arguments = ["batch", *map(str, meshes), "-o", str(output), "-k", "4", "--formats", "ply,npy"]
+    assert main(arguments) == 0
+    (output / "b.txt").write_text("of somebody else")
+    if is_there:
+        meshes[1].write_text("no mesh")
+    else:
+        meshes[1].unlink()
+    assert main([*arguments, "--resume"]) == 1
+    assert [row["status"] for row in rows(output)] == ["done", "failed"]
+    kept = {"a.ply", "a.npy", "b.txt"} | (set() if is_there else {"b.ply", "b.npy"})
+    assert {path.name for path in output.glob("[ab].*")} == kept
+    write_mesh(meshes[1])
+    assert main([*arguments, "--resume"]) == 0
+    assert (output / "b.ply").is_file()
+
+
+def test_a_result_that_has_become_an_input_is_kept_when_it_fails(tmp_path):
+    output = tmp_path / "out"
+    write_mesh(tmp_path / "a.ply")
+    assert main(["batch", str(tmp_path / "a.ply"), "-o", str(output), "-k", "4"]) == 0
+    (output / "a.ply").write_text("no mesh")
+    arguments = ["batch", str(output / "a.ply"), "-o", str(output), "--formats", "npy"]
+    assert main([*arguments, "--resume"]) == 1
+    assert (output / "a.ply").read_text() == "no mesh"
+
+
+def test_a_resumed_run_names_the_meshes_where_they_are_now(tmp_path, monkeypatch):
+    write_mesh(tmp_path / "old" / "a.ply")
+    output = tmp_path / "out"
+    arguments = ["-o", str(output), "-k", "4"]
+    assert main(["batch", str(tmp_path / "old"), *arguments]) == 0
+    (tmp_path / "old").rename(tmp_path / "new")
+    monkeypatch.setattr(runner, "run_job", None)  # nothing is done again
+    assert main(["batch", str(tmp_path / "new"), *arguments, "--resume"]) == 0
+    assert [row["mesh"] for row in rows(output)] == [str(tmp_path / "new" / "a.ply")]
+    timings = (output / "timings.csv").read_text()
+    assert str(tmp_path / "new" / "a.ply") in timings
+    assert "old" not in timings
 
 
 def test_resume_does_again_what_another_plugin_did(tmp_path, monkeypatch):
@@ -278,10 +310,69 @@ def test_the_cores_of_this_process_are_shared_out_among_the_meshes(
         planned.append((len(jobs), worker_count, {job.thread_count for job in jobs}))
         raise InputError("that will do")
 
+    monkeypatch.setattr(cores, "_GROUPS", tmp_path / "no limits")
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
     monkeypatch.setattr(runner, "run_all", plan)
     assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
     assert planned == [(meshes, workers, {threads})]
+
+
+@pytest.mark.parametrize(
+    ("files", "count"),
+    [
+        ({}, 8),
+        ({"cpu.max": "max 100000"}, 8),
+        ({"cpu.max": "250000 100000"}, 3),
+        ({"cpu.max": "10000 100000"}, 1),
+        ({"cpu.max": "6400000 100000"}, 8),
+        ({"cpu.max": "400000 100000", "pod/cpu.max": "max 100000"}, 4),
+        ({"pod/job/cpu.max": "200000 100000", "pod/cpu.max": "300000 100000"}, 2),
+        ({"pod/job/other/cpu.max": "100000 100000"}, 8),
+        ({"cpu/cpu.cfs_quota_us": "200000", "cpu/cpu.cfs_period_us": "100000"}, 2),
+        ({"cpu/cpu.cfs_quota_us": "-1", "cpu/cpu.cfs_period_us": "100000"}, 8),
+    ],
+)
+def test_a_share_of_the_time_of_the_cores_counts_as_so_many(files, count, tmp_path, monkeypatch):
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(f"{text}\n")
+    (tmp_path / "own").write_text("1:cpu:/\n0::/pod/job\n")
+    monkeypatch.setattr(cores, "_GROUPS", tmp_path)
+    monkeypatch.setattr(cores, "_OWN_GROUP", tmp_path / "own")
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
+    assert (cores.busy_core_count(), cores.core_count()) == (count, 8)
+
+
+@pytest.mark.parametrize("more", [[], ["--resume"]])
+def test_a_second_batch_in_a_folder_is_refused_while_the_first_one_lives(more, tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    write_mesh(tmp_path / "b.ply", levels=7)
+    output = tmp_path / "out"
+    effort = ["-k", 20, "--effort", "high", "--workers", 1]
+    first = start_batch(tmp_path / "a.ply", tmp_path / "b.ply", "-o", output, *effort)
+    try:
+        wait_for_records(output, 1, first)
+        second = [tmp_path / "a.ply", "-o", output, "-k", 3]
+        code, _, complained = run_batch(*second, *more)
+        assert code == 2
+        assert complained == (
+            f"spheroseg batch: {output}: another batch writes there; wait until it is done, or "
+            f"name another folder (process {first.pid} on {socket.gethostname()})\n"
+        )
+    finally:
+        first.kill()
+        first.communicate()
+    assert run_batch(*second, "--resume")[0] == 0
+    assert [row["submesh_count"] for row in rows(output)] == ["3"]
+
+
+def test_a_file_system_without_locks_is_no_obstacle(tmp_path, monkeypatch):
+    def flock(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    write_mesh(tmp_path / "a.ply")
+    assert main(["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "3"]) == 0
 
 
 def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
@@ -423,6 +514,31 @@ def test_a_long_name_is_done_and_one_too_long_costs_only_its_mesh(tmp_path, caps
     assert main([*arguments, "--resume"]) == 1
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+def test_names_of_failed_meshes_need_no_certain_encoding(encoding, tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", encoding)
+    for name in ("a", "größe/b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "größe").touch()  # where a folder should be
+    code, said, complained = run_batch(tmp_path / "in", "-o", tmp_path / "out", "-k", 5)
+    assert (code, "1 of 2 meshes done" in said) == (1, True)
+    assert complained.count("\n") == 1
+    assert "größe" in rows(tmp_path / "out")[1]["error"]
+
+
+def test_a_damaged_record_costs_only_its_mesh(tmp_path, monkeypatch):
+    job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
+
+    def work(_):
+        job.record_path().parent.mkdir()
+        job.record_path().write_bytes(b"\xff")
+        return subprocess.CompletedProcess(["python", "worker"], 0, "", "")
+
+    monkeypatch.setattr(jobs, "_run_worker", work)
+    assert jobs.run_job(job)["status"] == "failed"
+
+
 def ply_colours(path: Path) -> set[tuple]:
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(path))
@@ -560,25 +676,52 @@ def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, 
 
 @contextlib.contextmanager
 def dask_cluster(folder: Path, *worker_arguments):
-    """The address of a scheduler and a function that starts its only worker."""
+    """The address of a scheduler, a function that starts its only worker, and its process."""
     file = folder / "scheduler.json"
     worker = ("worker", "--scheduler-file", file, "--nthreads", 1, "--no-dashboard")
     with contextlib.ExitStack() as running:
         scheduler = ("scheduler", "--port", 0, "--scheduler-file", file, "--no-dashboard")
-        running.enter_context(dask(*scheduler))
+        process = running.enter_context(dask(*scheduler))
         wait_until(file.exists)
 
         def start_worker():
             running.enter_context(dask(*worker, *worker_arguments))
 
-        yield json.loads(file.read_text())["address"], start_worker
+        yield json.loads(file.read_text())["address"], start_worker, process
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_lost_scheduler_ends_the_run_with_what_is_done(number, tmp_path):
+    pytest.importorskip("distributed")
+    write_mesh(tmp_path / "in" / "a.ply")
+    for name in ("b", "c"):
+        write_mesh(tmp_path / "in" / f"{name}.ply", levels=7)
+    output = tmp_path / "out"
+    arguments = [tmp_path / "in", "-o", output, "-k", 20, "--effort", "high"]
+    with dask_cluster(tmp_path) as (address, start_worker, scheduler):
+        start_worker()
+        process = start_batch(*arguments, "--scheduler", address)
+        wait_for_records(output, 1, process)
+        scheduler.send_signal(number)
+        said, complained = process.communicate(timeout=120)
+    assert process.returncode == 1, complained
+    assert complained == (
+        f"spheroseg batch: the Dask scheduler at {address} was lost, or has cancelled the work; go "
+        "on with --resume\n"
+    )
+    assert "1 of 3 meshes done" in said
+    assert [row["status"] for row in rows(output)] == ["done", "undone", "undone"]
+    for name in ("b", "c"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    code, said, _ = run_batch(*arguments, "--resume")
+    assert (code, "3 of 3 meshes done" in said) == (0, True)
 
 
 def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
     distributed = pytest.importorskip("distributed")
     write_mesh(tmp_path / "in" / "a.ply")
     with (
-        dask_cluster(tmp_path) as (address, start_worker),
+        dask_cluster(tmp_path) as (address, start_worker, _),
         distributed.Client(address, set_as_default=False) as client,
     ):
         processes = [
@@ -624,7 +767,8 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
         "jobs.run_job = run_job\n"
     )
     monkeypatch.setattr(runner, "_ARRIVAL_SECONDS", 0.5, raising=False)
-    with dask_cluster(tmp_path, "--preload", tmp_path / "own_disk.py") as (address, start_worker):
+    own_disk = ("--preload", tmp_path / "own_disk.py")
+    with dask_cluster(tmp_path, *own_disk) as (address, start_worker, _):
         start_worker()
         assert main([*arguments, "-k", "8", "--resume", "--scheduler", address]) == 1
     said = capsys.readouterr().err
@@ -703,6 +847,17 @@ def test_missing_package_is_said_before_the_first_mesh(
     assert not output.exists()
 
 
+def test_missing_packages_are_said_together(tmp_path, monkeypatch, capsys):
+    for package in ("pygltflib", "pyarrow"):
+        monkeypatch.setitem(sys.modules, package, None)
+    options = ["--formats", "glb", "--manifest", "parquet"]
+    assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "'pip install pygltflib pyarrow'" in said
+    assert "pip install 'spheroseg[batch,export]'" in said
+
+
 def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypatch):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
     dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
@@ -750,6 +905,21 @@ def test_names_of_failed_meshes_are_shown_as_they_are(tmp_path, capsys):
     (tmp_path / ":car:[b].ply").write_text("no mesh")
     assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
     assert ":car:[b].ply" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("given", ["in", "in/*", "in/*/*.ply"])
+def test_a_found_name_that_is_not_utf_8_costs_one_row(given, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_mesh(Path("in/sub/a.ply"))
+    shutil.copy("in/sub/a.ply", os.fsdecode(b"in/sub/bad\xff.ply"))
+    reason = "the name is not UTF-8; rename the file or folder"
+    shown = f"{tmp_path}/in/sub/bad\\xff.ply"
+    for more in ([], ["--resume"]):
+        assert main(["batch", given, "-o", "out", "-k", "4", *more]) == 1
+        assert capsys.readouterr().err == f"failed: {shown}: {reason}\n"
+        found = [(row["mesh"], row["status"], row["error"]) for row in rows(Path("out"))]
+        assert found == [(f"{tmp_path}/in/sub/a.ply", "done", ""), (shown, "failed", reason)]
+    assert len(list(Path("out").rglob("*.ply"))) == 1
 
 
 def test_folder_glob_and_file_name_each_mesh_once(tmp_path, monkeypatch):
@@ -805,7 +975,7 @@ def test_meshes_of_one_name_get_their_folders_in_it(given, names, models):
 
 
 def test_meshes_of_one_name_in_a_list_get_their_folders_in_it(models):
-    with pytest.raises(InputError, match="would both be written as 'x_obj'"):
+    with pytest.raises(InputError, match="would have one name in the output folder"):
         inputs.collect(["set/list.csv"])
     text = (models / "set" / "list.csv").read_text()
     (models / "set" / "list.csv").write_text(text.replace("\nx.obj,", ""))
@@ -867,8 +1037,14 @@ def test_a_csv_may_begin_with_a_byte_order_mark(tmp_path):
     assert [source.submesh_count for source in inputs.collect([str(path)])] == [10]
 
 
-def test_two_files_for_one_result_are_refused(tmp_path):
-    for folder in ("one", "two"):
-        write_mesh(tmp_path / folder / "a.ply")
-    with pytest.raises(InputError, match="would both be written as 'a_ply'"):
-        inputs.collect([str(tmp_path / "one" / "a.ply"), str(tmp_path / "two" / "a.ply")])
+def test_two_files_for_one_result_are_refused_with_the_remedy(tmp_path):
+    files = [str(tmp_path / folder / "a.ply") for folder in ("one", "two")]
+    for file in files:
+        write_mesh(Path(file))
+    with pytest.raises(InputError) as refusal:
+        inputs.collect(files)
+    assert str(refusal.value).startswith(" and ".join(files))
+    assert "give the folder above them or a glob in quotes" in str(refusal.value)
+    assert "a_ply" not in str(refusal.value)
+    for remedy in (tmp_path, tmp_path / "*" / "a.ply"):
+        assert [source.name for source in inputs.collect([str(remedy)])] == ["one/a", "two/a"]

@@ -8,11 +8,10 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from pathlib import Path
 
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
+from processes import children, has_plugin, wait_until
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
@@ -267,28 +266,3 @@ def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():
     )
     assert (done.stdout, done.stderr) == ("cleaned up\n", "interrupted\n")
     assert done.returncode == jobs.INTERRUPTED_EXIT
-
-
-def children(process_id):
-    found = Path(f"/proc/{process_id}/task").glob("*/children")
-    return {int(child) for path in found for child in read_or_nothing(path).split()}
-
-
-def has_plugin(process_ids):
-    maps = [Path(f"/proc/{process_id}/maps") for process_id in process_ids]
-    return any("libfilter_spheroseg" in read_or_nothing(path) for path in maps)
-
-
-def read_or_nothing(path):
-    """Of a process that may have ended."""
-    try:
-        return path.read_text()
-    except OSError:
-        return ""
-
-
-def wait_until(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)

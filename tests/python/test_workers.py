@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processes import is_running, wait_until
 
 from spheroseg import workers
 from spheroseg.bench.meshes import BenchMesh
@@ -66,6 +67,22 @@ def test_half_a_line_of_a_process_that_has_ended_is_no_result(monkeypatch):
     assert result == {"status": "failed", "error": "the process ended with exit code 0"}
 
 
+@pytest.mark.parametrize("said", ["Licence expired", "5", "[]"])
+def test_a_result_that_is_no_json_costs_no_other_result(said, monkeypatch):
+    def start(module, stderr):
+        program = (
+            "import json, sys\nprint('{}')\nfor task in json.load(sys.stdin)['tasks']:"
+            "\n print(task.get('say', '{\"status\": \"done\"}'), flush=True)"
+        )
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": stderr}
+        return subprocess.Popen([sys.executable, "-c", program], **pipes, text=True)
+
+    monkeypatch.setattr(workers, "start", start)
+    found = [result for _, result in workers.results("odd_worker", {}, [{}, {"say": said}, {}])]
+    refused = {"status": "failed", "error": f"the process said '{said}' instead of a result"}
+    assert found == [{"status": "done"}, refused, {"status": "done"}]
+
+
 def test_a_job_that_can_not_be_prepared_is_an_error_with_its_reason():
     with pytest.raises(workers.WorkerError, match="^no such mesh$"):
         outcomes([{}], refuse="no such mesh")
@@ -81,37 +98,23 @@ def test_a_worker_ends_with_a_parent_that_is_killed(tmp_path):
     tasks = [{"sleep": 60, "mark": str(mark)}]
     program = f"from spheroseg import workers; list(workers.results('odd_worker', {{}}, {tasks}))"
     parent = subprocess.Popen([sys.executable, "-c", program], env=workers.package_environment())
-    wait_for(lambda: mark.exists() and mark.read_text())
+    wait_until(lambda: mark.exists() and mark.read_text())
     worker = int(mark.read_text())
     assert is_running(worker)
     parent.kill()
     parent.wait()
-    wait_for(lambda: not is_running(worker), seconds=5)
+    wait_until(lambda: not is_running(worker), seconds=5)
 
 
 def test_a_worker_whose_results_nobody_wants_any_more_is_ended(tmp_path):
     mark = tmp_path / "mark"
     found = workers.results("odd_worker", {}, [{}, {"sleep": 60, "mark": str(mark)}])
     next(found)
-    wait_for(lambda: mark.exists() and mark.read_text())
+    wait_until(lambda: mark.exists() and mark.read_text())
     began = time.monotonic()
     found.close()
     assert time.monotonic() - began < 30
     assert not is_running(int(mark.read_text()))
-
-
-def is_running(process: int) -> bool:
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def wait_for(condition, seconds: float = 30) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
 
 
 @pytest.mark.parametrize("module", ["evaluate", "bench", "batch"])

@@ -42,18 +42,19 @@ def collect(inputs: list[str], output: Path | None = None, *, resume: bool = Fal
 
     A folder stands for all mesh files below it; a CSV file has a column `mesh` (relative to the
     CSV's folder) and may have a column `submesh_count` or `k`. A file that is named but absent is
-    kept: it fails on its own. A search leaves out results: what lies in `output`, the folder for
-    them, where it is further down, and with `resume` what batches have written there. Raises
-    InputError for an input that names nothing.
+    kept, and so is one that is found and whose name is not UTF-8: it fails on its own. A search
+    leaves out results: what lies in `output`, the folder for them, where it is further down, and
+    with `resume` what batches have written there. Raises InputError for an input that names
+    nothing, or whose own name is not UTF-8.
     """
     results = None if output is None else _Results(output, resume)
     sources: dict[tuple, Source] = {}
     for text in inputs:
+        check_name(Path(text).absolute())
         found = list(_expand(text, results))
         if not found:
             raise InputError(f"{text}: names no mesh file ({', '.join(sorted(MESH_SUFFIXES))})")
         for source in found:
-            check_name(source.mesh.absolute())
             sources.setdefault((_place(source.mesh), source.submesh_count), source)
     return _with_unique_names(list(sources.values()))
 
@@ -162,8 +163,9 @@ def _with_unique_names(sources: list[Source]) -> list[Source]:
         other = first.setdefault(source.name, source)
         if other is not source:
             raise InputError(
-                f"{other.mesh} and {source.mesh} would both be written as '{source.name}'; name "
-                "the folder above them instead, or use two output folders"
+                f"{other.mesh} and {source.mesh} would have one name in the output folder; to keep "
+                "the folders in their names, give the folder above them or a glob in quotes; or "
+                "use two output folders"
             )
     return named
 

@@ -7,6 +7,7 @@ are whole. Everything a run needs to go on after a kill is in these records.
 
 import hashlib
 import json
+import os
 import subprocess
 from dataclasses import asdict, dataclass
 from importlib import metadata
@@ -50,6 +51,11 @@ class Job:
         return {"options": self.options, "formats": list(self.formats), "version": self.version}
 
 
+def shown(path: str | Path) -> str:
+    """For tables and terminals: what is not UTF-8 is escaped."""
+    return os.fsencode(path).decode(errors="backslashreplace")
+
+
 def sha256(path: Path) -> str:
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
@@ -70,7 +76,10 @@ def plugin_digest() -> str:
 
 
 def finished_record(job: Job) -> dict[str, Any] | None:
-    """The job's record if the mesh, the settings and the results are those it tells of."""
+    """The job's record if the mesh, the settings and the results are those it tells of.
+
+    The content tells the mesh, which may have another place than it had then.
+    """
     try:
         record = json.loads(job.record_path().read_text())
         if record["status"] != "done" or record["settings"] != job.settings():
@@ -82,16 +91,26 @@ def finished_record(job: Job) -> dict[str, Any] | None:
                 return None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None  # no such record, or a damaged one
-    return record
+    return record | {"mesh": job.mesh}
 
 
-def remove_outdated(job: Job) -> None:
-    """Removes what an earlier run, with other formats, made of the job's mesh."""
+def remove_results(job: Job, kept: tuple[str, ...] = ()) -> None:
+    """Removes what earlier runs made of the job's mesh, but for formats that are `kept`."""
     known = known_results(Path(job.folder))
-    for suffix in set(FORMATS) - set(job.formats):
+    mesh = file_identity(Path(job.mesh))
+    for suffix in set(FORMATS) - set(kept):
         path = job.output_path(suffix)
-        if f"{job.name}{suffix}" in known and path.exists() and not path.samefile(job.mesh):
+        if f"{job.name}{suffix}" in known and file_identity(path) not in (None, mesh):
             path.unlink()
+
+
+def file_identity(path: Path) -> tuple[int, int] | None:
+    """The same for all paths of one file; None where there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def is_of_success(path: Path) -> bool:
@@ -138,7 +157,7 @@ def run_job(job: Job) -> dict[str, Any]:
         return record
     except atomic.DiskFullError as error:
         return failed_record(job, error.strerror, status="disk_full")
-    except OSError as error:
+    except (OSError, ValueError) as error:  # of a record that is damaged
         return failed_record(job, str(error))
 
 
@@ -165,13 +184,17 @@ def store(job: Job, record: dict[str, Any]) -> None:
 
 
 def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any]:
+    return undone_record(job, error) | {"status": status, "input_sha256": _digest_of_input(job)}
+
+
+def undone_record(job: Job, error: str) -> dict[str, Any]:
+    """Of a mesh of which nothing is known; it is not stored."""
     return {
-        "mesh": job.mesh,
+        "mesh": shown(job.mesh),
         "name": job.name,
-        "status": status,
+        "status": "undone",
         "error": error,
         "settings": job.settings(),
-        "input_sha256": _digest_of_input(job),
         "outputs": {},
     }
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the jobs of a batch and writes the manifest."""
 
+import contextlib
 import csv
 import errno
 import io
@@ -21,18 +22,25 @@ from spheroseg.batch.jobs import (
     RECORD_FOLDER,
     Job,
     failed_record,
+    file_identity,
     finished_record,
     is_of_success,
     known_results,
     remember_results,
+    remove_results,
     run_job,
+    shown,
     signal_running,
+    undone_record,
 )
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_name
+from spheroseg.lock import locked
 
 MANIFEST_STEM = "manifest"
 MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
+_LOCK_NAME = ".lock"
 _GRACE_SECONDS = 2
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 
@@ -64,10 +72,26 @@ _SECONDS = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds",
 Record = dict[str, Any]
 
 
-def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> None:
-    """Makes the output folder. Refuses one with earlier results unless they are to be resumed, and
-    one where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the
-    first run, any file."""
+@contextlib.contextmanager
+def prepared_folder(
+    folder: Path, jobs: list[Job], lists: list[Path], resume: bool
+) -> Iterator[None]:
+    """Makes the output folder, which is for this run alone while the `with` block runs. Refuses one
+    where another batch writes, one with earlier results unless they are to be resumed, and one
+    where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the first
+    run, any file."""
+    records = folder / RECORD_FOLDER
+    if not records.is_dir():
+        _checked_results(folder, jobs, lists, resume)  # a refusal leaves nothing
+    records.mkdir(parents=True, exist_ok=True)
+    refusal = f"{folder}: another batch writes there; wait until it is done, or name another folder"
+    with locked(records / _LOCK_NAME, refusal):
+        remember_results(folder, _checked_results(folder, jobs, lists, resume))
+        yield
+
+
+def _checked_results(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> set[str]:
+    """The names of all results in the folder, those to come included."""
     records = [path for path in (folder / RECORD_FOLDER).rglob("*.json") if path.is_file()]
     if not resume and any(map(is_of_success, records)):
         raise InputError(
@@ -75,10 +99,10 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
             "changed, or name another folder"
         )
     results = known_results(folder) if resume else set()
-    inputs = {_identity(Path(path)) for path in (*(job.mesh for job in jobs), *lists)} - {None}
+    inputs = {file_identity(Path(path)) for path in (*(job.mesh for job in jobs), *lists)} - {None}
     for path, source in _outputs(folder.absolute(), jobs):
         results.add(path.relative_to(folder.absolute()).as_posix())
-        found = _identity(path)
+        found = file_identity(path)
         if found in inputs:
             raise InputError(
                 f"{path}: is an input, and {source} would replace it; name another output folder"
@@ -88,8 +112,7 @@ def prepare_folder(folder: Path, jobs: list[Job], lists: list[Path], resume: boo
                 f"{path}: is there already, and {source} would replace it; name another output "
                 "folder"
             )
-    (folder / RECORD_FOLDER).mkdir(parents=True, exist_ok=True)
-    remember_results(folder, results)
+    return results
 
 
 def _outputs(folder: Path, jobs: list[Job]) -> Iterator[tuple[Path, str]]:
@@ -102,15 +125,6 @@ def _outputs(folder: Path, jobs: list[Job]) -> Iterator[tuple[Path, str]]:
     yield folder / TIMINGS_NAME, "the table of timings"
 
 
-def _identity(path: Path) -> tuple[int, int] | None:
-    """The same for all paths of one file; None where there is none."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
-
-
 def run_all(
     jobs: list[Job],
     on_record: Callable[[Record], None],
@@ -119,32 +133,47 @@ def run_all(
     worker_count: int,
     scheduler: str | None = None,
 ) -> list[Record]:
-    """Does the jobs that have no valid record yet; returns all records in the order of `jobs`.
+    """Does the jobs that have no valid record yet; returns all records in the order of `jobs`. Of
+    a mesh that fails now, earlier results are removed.
 
     `on_record` gets each record as it comes. Raises DiskFullError when a job finds the disk full;
-    jobs that have not begun are left undone then, for a later run with `resume`. After a
+    jobs that have not begun are left undone then, for a later run with `resume`. Where the
+    scheduler is lost, those that are not done have records with the status `undone`. After a
     KeyboardInterrupt those that run here are ended, too.
     """
     records: dict[str, Record] = {}
-    waiting = []
+    waiting: dict[str, Job] = {}
     for job in jobs:
-        record = finished_record(job) if resume else None
+        record = _refused_record(job) or (finished_record(job) if resume else None)
         if record is None:
-            waiting.append(job)
+            waiting[job.name] = job
         else:
             records[job.name] = record
             on_record(record)
-    source = _on_dask(waiting, scheduler) if scheduler else _on_this_machine(waiting, worker_count)
+    to_do = list(waiting.values())
+    source = _on_dask(to_do, scheduler) if scheduler else _on_this_machine(to_do, worker_count)
     try:
         for record in source:
             if record["status"] == "disk_full":
                 source.close()
                 raise atomic.DiskFullError(errno.ENOSPC, record["error"])
             records[record["name"]] = record
+            # Of a mesh that is not there, as on a disk that is not mounted, nothing is outdated.
+            if record["status"] == "failed" and record["input_sha256"] is not None:
+                remove_results(waiting[record["name"]])
             on_record(record)
     except KeyboardInterrupt as interrupt:
         source.throw(interrupt)
     return [records[job.name] for job in jobs]
+
+
+def _refused_record(job: Job) -> Record | None:
+    """Of a mesh whose name neither PyMeshLab nor Dask takes."""
+    try:
+        check_name(Path(job.mesh))
+    except InputError as error:
+        return failed_record(job, str(error).removeprefix(f"{shown(job.mesh)}: "))
+    return None
 
 
 def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
@@ -177,7 +206,8 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
     from distributed import Client, as_completed
     from distributed.comm import get_address_host_port
 
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client"):  # has a level of its own
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         get_address_host_port(scheduler)  # the client waits half a minute for one without a port
         client = Client(scheduler, timeout="15s", set_as_default=False)
@@ -208,12 +238,21 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
         try:
             results = _ResultsOfCluster()
             for future in as_completed(submitted, loop=client.loop):
-                error = future.exception()
+                job = submitted[future]
+                try:
+                    # None for one that is cancelled, as all are without a scheduler; its result
+                    # is an error then.
+                    error = future.exception()
+                    record = None if error else future.result()
+                except (futures.CancelledError, OSError):
+                    lost = f"the Dask scheduler at {scheduler} was lost, or has cancelled the work"
+                    yield finished_record(job) or undone_record(job, lost)
+                    continue
                 if error is None:
-                    yield results.checked(submitted[future], future.result())
+                    yield results.checked(job, record)
                 else:
                     message = " ".join(f"{type(error).__name__}: {error}".split())
-                    yield failed_record(submitted[future], message)
+                    yield failed_record(job, message)
         finally:
             client.cancel(list(submitted))
 

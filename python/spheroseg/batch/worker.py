@@ -21,7 +21,7 @@ from spheroseg.batch.jobs import (
     DISK_FULL_EXIT,
     INTERRUPTED_EXIT,
     Job,
-    remove_outdated,
+    remove_results,
     sha256,
     store,
     versions,
@@ -41,7 +41,7 @@ def main() -> int:
     try:
         _check_versions(job)
         record = _record(job)
-        remove_outdated(job)
+        remove_results(job, kept=job.formats)
         store(job, record)
     except atomic.DiskFullError as error:
         print(error.strerror, file=sys.stderr)

@@ -14,10 +14,9 @@ from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import FORMATS, Job, versions
 from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
-from spheroseg.cores import core_count
+from spheroseg.cores import busy_core_count
 from spheroseg.errors import InputError
-from spheroseg.export import gltf_library
-from spheroseg.packages import require
+from spheroseg.packages import require_all
 from spheroseg.progress import MeshProgress
 
 # Of the filter; given here so that the manifest tells of them.
@@ -64,13 +63,17 @@ def run(arguments) -> int:
     _check_packages(arguments)
     jobs, workers = _jobs(arguments)
     lists = [Path(text) for text in arguments.inputs]
-    runner.prepare_folder(folder, jobs, lists, arguments.resume)
-    atomic.remove_leftovers(folder)
+    with runner.prepared_folder(folder, jobs, lists, arguments.resume):
+        atomic.remove_leftovers(folder)
+        return _run(arguments, jobs, workers)
+
+
+def _run(arguments, jobs: list[Job], workers: int) -> int:
     try:
         with MeshProgress("Segmenting", len(jobs)) as progress:
 
             def done(record: dict) -> None:
-                if record["status"] != "done":
+                if record["status"] == "failed":
                     progress.say_failed(f"{record['mesh']}: {record['error']}")
                 progress.advance()
 
@@ -81,13 +84,16 @@ def run(arguments) -> int:
                 worker_count=workers,
                 scheduler=arguments.scheduler,
             )
-        manifest = runner.write_manifest(folder, records, arguments.manifest)
+        manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)
     except atomic.DiskFullError as error:
         print(f"spheroseg batch: {error.strerror} with --resume", file=sys.stderr)
         return 1
-    failed = sum(record["status"] != "done" for record in records)
-    print(f"{len(records) - failed} of {len(records)} meshes done; {manifest}")
-    return 1 if failed else 0
+    lost = next((record["error"] for record in records if record["status"] == "undone"), None)
+    if lost:
+        print(f"spheroseg batch: {lost}; go on with --resume", file=sys.stderr)
+    done_count = sum(record["status"] == "done" for record in records)
+    print(f"{done_count} of {len(records)} meshes done; {manifest}")
+    return 0 if done_count == len(records) else 1
 
 
 def _jobs(arguments) -> tuple[list[Job], int]:
@@ -104,9 +110,9 @@ def _jobs(arguments) -> tuple[list[Job], int]:
             raise InputError(f"--formats knows {known}, but not '{name[1:]}'")
     sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
     # Several meshes at a time use the cores better than several threads on one mesh.
-    workers = min(arguments.workers or core_count(), len(sources))
+    workers = min(arguments.workers or busy_core_count(), len(sources))
     if threads is None:
-        threads = 1 if arguments.scheduler else max(1, core_count() // workers)
+        threads = 1 if arguments.scheduler else max(1, busy_core_count() // workers)
     version = versions()
     jobs = [
         Job(
@@ -136,12 +142,14 @@ def _check_ranges(options: dict) -> None:
 
 def _check_packages(arguments) -> None:
     """All that is missing is said before the first mesh."""
+    purposes = {}
     if "glb" in _formats(arguments):
-        gltf_library()
+        purposes["pygltflib"] = "--formats glb"
     if arguments.manifest == "parquet":
-        require("pyarrow", "--manifest parquet")
+        purposes["pyarrow"] = "--manifest parquet"
     if arguments.scheduler:
-        require("distributed", "--scheduler")
+        purposes["distributed"] = "--scheduler"
+    require_all(purposes)
 
 
 def _own_options(options: dict, submesh_count: int | None) -> dict:
