@@ -26,7 +26,7 @@ pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
 pytest.importorskip("matplotlib")
 
-from spheroseg import api
+from spheroseg import api, packages
 from spheroseg.baselines import BASELINES
 from spheroseg.batch import inputs
 from spheroseg.cli import main
@@ -34,7 +34,13 @@ from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
 from spheroseg.evaluate import environment, judging, paper, plots, report, runner, summary, worker
 from spheroseg.evaluate import folder as report_folder
-from spheroseg.evaluate.methods import ALL_PAIRS_LIMIT, DEFAULT_METHODS, METHODS, chosen
+from spheroseg.evaluate.methods import (
+    ALL_PAIRS_LIMIT,
+    DEFAULT_METHODS,
+    METHODS,
+    Outcome,
+    chosen,
+)
 from spheroseg.evaluate.runner import Plan
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, anatomy
 from spheroseg.ply import ply_bytes
@@ -177,6 +183,21 @@ def test_of_several_seeds_the_row_is_the_run_with_the_median_boundary(tmp_path, 
         labels = np.load(tmp_path / "several" / "labels" / several["labels"])
         expected = recount.measures(arrays["faces"], labels)
     assert several["boundary_edge_count"] == expected["boundary_edge_count"]
+
+
+def test_of_several_seeds_the_time_is_the_median_of_all(tmp_path, monkeypatch):
+    vertices, faces = octahedron()
+    labels, times = np.repeat([0, 1], 4), {5: 3.0, 6: 1.0, 7: 2.0}
+    fake = replace(
+        METHODS["metis_kway"], run=lambda _, __, k, seed, graph: Outcome(labels, times[seed])
+    )
+    monkeypatch.setitem(METHODS, "metis_kway", fake)
+    (tmp_path / "labels").mkdir()
+    job = {"name": "m", "folder": tmp_path, "seed": 5, "seed_count": 3, "all_pairs_limit": 0}
+    row = worker.result(vertices, faces, build_dual_graph(faces), job, 2, "metis_kway")
+    assert (row["seconds"], row["run_count"]) == (2.0, 3)
+    # All have the same boundary, so the run that is shown, the second one, took another time.
+    assert row["seed"] == 6
 
 
 def test_csv_and_json_agree(evaluation):
@@ -330,7 +351,7 @@ def test_sections_without_data_are_not_on_the_page(tmp_path):
     folder = tmp_path / "failed"
     folder.mkdir()
     facts = {"threads": "1"}
-    text = report.write_report(folder, [failed], facts, 1000).read_text()
+    text = report.write_report(folder, [failed], [], facts, 1000).read_text()
     assert_links_lead_somewhere(text)
     assert re.findall('<h2 id="(.*?)"', text) == ["balance", "methods", "made"]
     assert not (folder / "plots").exists()
@@ -507,8 +528,58 @@ def test_broken_mesh_costs_a_line_and_exit_code_one(tmp_path, capsys):
     write_inputs(tmp_path / "in")
     (tmp_path / "in" / "broken.ply").write_text("no mesh")
     assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway",)) == 1
-    assert "broken.ply: PyMeshLab can not read it" in capsys.readouterr().err
+    assert "broken.ply: has no line 'end_header'" in capsys.readouterr().err
     assert {row["mesh"] for row in results(tmp_path / "out")} == {"first", "second"}
+
+
+@pytest.mark.parametrize("names", [["x"], ["x", "y"]])
+def test_one_mesh_that_can_not_be_read_is_one_line(names, tmp_path, capsys):
+    (tmp_path / "in").mkdir()
+    for name in names:
+        (tmp_path / "in" / f"{name}.ply").write_text("no mesh")
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway",)) == 2
+    lines = capsys.readouterr().err.splitlines()
+    said = [line.partition("has no line 'end_header'")[0] for line in lines]
+    of_mesh = [f"{tmp_path / 'in' / name}.ply: " for name in names]
+    if len(names) == 1:
+        assert said == [f"spheroseg evaluate: {of_mesh[0]}"]
+    else:
+        failed = [f"failed: {line}" for line in of_mesh]
+        assert said == [*failed, "spheroseg evaluate: no mesh could be evaluated"]
+    assert not files_below(tmp_path / "out")
+
+
+def test_report_lists_the_meshes_that_failed_with_the_reason(tmp_path):
+    write_inputs(tmp_path / "in")
+    (tmp_path / "in" / "<b>.ply").write_text("no mesh")
+    output = tmp_path / "out"
+    assert evaluate(tmp_path / "in", output, methods=("metis_kway",)) == 1
+    (failed,) = json.loads((output / "results.json").read_text())["failed_meshes"]
+    path = str(tmp_path / "in" / "<b>.ply")
+    assert [failed[name] for name in ("mesh", "mesh_file", "path")] == ["<b>", "<b>.ply", path]
+    assert failed["error"].startswith("has no line 'end_header'")
+    with (output / "results.csv").open(newline="") as stream:
+        *others, line = csv.DictReader(stream)
+    assert {row["status"] for row in others} == {"done"}
+    assert {name: value for name, value in line.items() if value} == {
+        "mesh": "<b>",
+        "mesh_file": "<b>.ply",
+        "status": "failed",
+        "error": failed["error"],
+    }
+    page = (output / "report.html").read_text()
+    listed = re.search('<details id="failed-meshes".*?</details>', page, re.DOTALL)[0]
+    assert "Failed: 1 mesh<" in listed
+    assert "<li>&lt;b&gt; (has no line &#39;end_header&#39;" in listed
+
+
+def test_a_found_name_that_is_not_utf_8_costs_a_line_and_exit_code_one(tmp_path, capsys):
+    write_inputs(tmp_path / "in")
+    (tmp_path / "in" / os.fsdecode(b"bad\xff.ply")).touch()
+    assert evaluate(tmp_path / "in", tmp_path / "out", methods=("metis_kway",)) == 1
+    assert capsys.readouterr().err == (
+        f"failed: {tmp_path}/in/bad\\xff.ply: the name is not UTF-8; rename the file or folder\n"
+    )
 
 
 def test_full_disk_is_one_line_that_names_the_file(tmp_path, small_disk, capsys):
@@ -688,12 +759,25 @@ def test_each_method_has_its_own_colour_and_marker():
 
 def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsys):
     write_inputs(tmp_path / "in")
-    monkeypatch.setitem(sys.modules, "jinja2", None)
+    for package in ("jinja2", "pyvista"):
+        monkeypatch.setitem(sys.modules, package, None)
     assert evaluate(tmp_path / "in", tmp_path / "out") == 2
-    assert "pip install jinja2" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert [f"needs the package '{name}'" in said for name in ("jinja2", "pyvista")] == [True] * 2
+    assert "'pip install jinja2 pyvista'" in said
+    assert "pip install 'spheroseg[evaluate]'" in said
 
 
 def test_the_extra_holds_all_that_the_methods_need():
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
     extra = set(project["optional-dependencies"]["evaluate"])
     assert {baseline.package for baseline in BASELINES.values()} <= extra
+
+
+def test_each_optional_package_is_in_the_extra_that_an_error_names():
+    project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    for package, extra in packages.EXTRAS.items():
+        assert any(package in requirement for requirement in extras[extra]), package
+    assert packages.EXTRAS.keys() >= {baseline.package for baseline in BASELINES.values()}

@@ -7,12 +7,12 @@ import base64
 import io
 import json
 import shutil
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from evaluations import COUNTS, RUN_METHODS
+from processes import wait_until
 
 webdriver = pytest.importorskip("selenium.webdriver")
 image = pytest.importorskip("PIL.Image")
@@ -47,15 +47,8 @@ def browser(output):
         chrome.execute_cdp_cmd("Network.enable", {})
         chrome.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["http://*", "https://*"]})
         chrome.get((output / "report.html").as_uri())
-        wait(lambda: chrome.execute_script("return Boolean(window.spherosegViewer)"))
+        wait_until(lambda: chrome.execute_script("return Boolean(window.spherosegViewer)"))
         yield chrome
-
-
-def wait(condition, seconds: float = 30) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.1)
 
 
 def canvas_pixels(browser) -> np.ndarray:
@@ -119,10 +112,10 @@ def test_view_draws_the_mesh_in_many_colours_and_turns(browser):
 def test_click_picks_the_submesh_under_the_pointer(browser, output):
     choose(browser, 0, "second")
     choose(browser, 1, "Region growing, k = 16")
-    wait(lambda: shown(browser) == "Region growing, k = 16")
+    wait_until(lambda: shown(browser) == "Region growing, k = 16")
     canvas = browser.find_element("css selector", "#viewer canvas")
     webdriver.ActionChains(browser).move_to_element(canvas).click().perform()
-    wait(lambda: note(browser).startswith("Sub-mesh"))
+    wait_until(lambda: note(browser).startswith("Sub-mesh"))
     # The triangle in the middle that is nearest to the eye, by the view's own matrix.
     view = browser.execute_script("return [...spherosegViewer.view(0)]")
     matrix = np.array(view).reshape(4, 4).T
@@ -149,7 +142,7 @@ def test_no_turn_cuts_the_mesh_off(browser):
     for mesh in ("first", "second"):
         browser.execute_script("document.getElementById('viewer').dataset.shown = ''")
         choose(browser, 0, mesh)
-        wait(lambda: shown(browser) == "All pairs, k = 5")
+        wait_until(lambda: shown(browser) == "All pairs, k = 5")
         for _ in range(8):
             browser.execute_script("spherosegViewer.turn(0.4, 0.4)")
             drawn = (canvas_pixels(browser) < 250).any(axis=2)
@@ -172,10 +165,10 @@ def test_arrow_keys_turn_the_view(browser):
 def test_every_labelling_can_be_shown(browser):
     for mesh in ("first", "second"):
         choose(browser, 0, mesh)
-        wait(lambda: shown(browser) == "All pairs, k = 5")
+        wait_until(lambda: shown(browser) == "All pairs, k = 5")
         for title in ("METIS k-way, k = 16", "All pairs, k = 16", "All pairs, k = 5"):
             choose(browser, 1, title)
-            wait(lambda title=title: shown(browser) == title)
+            wait_until(lambda title=title: shown(browser) == title)
             assert (canvas_pixels(browser) < 250).any()
 
 

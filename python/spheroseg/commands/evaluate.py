@@ -18,7 +18,7 @@ from spheroseg.errors import InputError
 from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate import methods, runner
 from spheroseg.evaluate.environment import describe
-from spheroseg.packages import require
+from spheroseg.packages import require_all
 from spheroseg.progress import MeshProgress
 
 VIEWER_LIMIT = 120_000
@@ -64,20 +64,22 @@ def run(arguments) -> int:
     files = runner.files_of(sources, plan)
     earlier = report_folder.prepare(folder, files)
     with MeshProgress("Evaluating", len(sources)) as progress:
-        rows, failures = runner.evaluate(sources, plan, folder, lambda *_: progress.advance())
+        rows, failed_meshes = runner.evaluate(sources, plan, folder, lambda *_: progress.advance())
+    failures = [f"{failed['path']}: {failed['error']}" for failed in failed_meshes]
     failures += [
         f"{row['mesh']}, k = {row['submesh_count']}, {row['method']}: {row['error']}"
         for row in rows
         if row["status"] == "failed"
     ]
-    for failure in failures:
-        progress.say_failed(failure)
+    if rows or len(failures) > 1:  # else the one line of the error says it
+        for failure in failures:
+            progress.say_failed(failure)
     if all(row["status"] == "left out" for row in rows):
         report_folder.keep_only(folder, earlier)
-        raise InputError(_why_nothing_ran(rows))
+        raise InputError(_why_nothing_ran(rows, failures))
     environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
-    runner.write_numbers(folder, rows, environment)
-    page = report.write_report(folder, rows, environment, arguments.viewer_limit)
+    runner.write_numbers(folder, rows, failed_meshes, environment)
+    page = report.write_report(folder, rows, failed_meshes, environment, arguments.viewer_limit)
     report_folder.keep_only(folder, files)
     print(page)
     return 1 if failures else 0
@@ -103,9 +105,9 @@ def _seeds(plan: runner.Plan) -> str:
     return str(plan.seed) if last == plan.seed else f"{plan.seed} to {last}"
 
 
-def _why_nothing_ran(rows: list[dict]) -> str:
+def _why_nothing_ran(rows: list[dict], failures: list[str]) -> str:
     if not rows:
-        return "no mesh could be evaluated"
+        return failures[0] if len(failures) == 1 else "no mesh could be evaluated"
     first = rows[0]
     return (
         f"no method could run: {first['mesh']}, k = {first['submesh_count']}, {first['method']}: "
@@ -114,6 +116,5 @@ def _why_nothing_ran(rows: list[dict]) -> str:
 
 
 def _report_module():
-    for package in ("jinja2", "matplotlib", "pyvista"):
-        require(package, "a report")
+    require_all(dict.fromkeys(("jinja2", "matplotlib", "pyvista"), "a report"))
     return importlib.import_module("spheroseg.evaluate.report")

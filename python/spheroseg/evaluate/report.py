@@ -23,7 +23,11 @@ PAGE_FOLDER = Path(__file__).parent / "page"
 
 
 def write_report(
-    folder: Path, rows: list[dict], environment: dict[str, str], viewer_limit: int
+    folder: Path,
+    rows: list[dict],
+    failed_meshes: list[dict],
+    environment: dict[str, str],
+    viewer_limit: int,
 ) -> Path:
     """Writes `report.html`, `pictures/*.png` and `plots/*.svg` below `folder`, whose `labels`
     hold the arrays that the rows name; returns the page's path."""
@@ -46,6 +50,7 @@ def write_report(
         rows=_table_rows([row for row in rows if row["status"] != "left out"]),
         left_out=_left_out(rows),
         left_out_count=sum(row["status"] == "left out" for row in rows),
+        failed_meshes=failed_meshes,
         environment=environment,
         vertex_bytes=VERTEX_BYTES,
         triangle_bytes=TRIANGLE_BYTES,

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
+from spheroseg.batch.jobs import shown
 from spheroseg.evaluate.folder import DOCUMENT, TABLE
 from spheroseg.evaluate.folder import files_of as report_files
 from spheroseg.evaluate.summary import summary
@@ -40,16 +41,18 @@ def files_of(sources: list[Source], plan: Plan) -> list[str]:
 
 def evaluate(
     sources: list[Source], plan: Plan, folder: Path, on_mesh: Callable[[str, str | None], None]
-) -> tuple[list[dict], list[str]]:
-    """All rows, and a line per mesh that failed. `on_mesh` gets each mesh's name and failure."""
-    rows, failures = [], []
+) -> tuple[list[dict], list[dict]]:
+    """All rows, and the meshes that failed: `mesh` and `mesh_file` as in rows, `path`, and the
+    reason as `error`. `on_mesh` gets each mesh's name and failure."""
+    rows, failed_meshes = [], []
     for source in sources:
         found, failure = _evaluate_one(source, plan, folder)
         rows += found
         if failure:
-            failures.append(f"{source.mesh}: {failure}")
+            names = {"mesh": shown(source.name), "mesh_file": shown(source.mesh.name)}
+            failed_meshes.append(names | {"path": shown(source.mesh), "error": failure})
         on_mesh(source.name, failure)
-    return rows, failures
+    return rows, failed_meshes
 
 
 def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict], str | None]:
@@ -70,18 +73,25 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
             known |= {"triangle_count": result["triangle_count"], **task, "seed": plan.seed}
             rows.append(known | result)
     except workers.WorkerError as error:
-        return rows, str(error).removeprefix(f"{source.mesh}: ")
+        return rows, str(error).removeprefix(f"{shown(source.mesh)}: ")
     return rows, None
 
 
-def write_numbers(folder: Path, rows: list[dict], environment: dict[str, str]) -> None:
-    """`results.json` with everything, `results.csv` with one line per mesh, k and method."""
+def write_numbers(
+    folder: Path, rows: list[dict], failed_meshes: list[dict], environment: dict[str, str]
+) -> None:
+    """`results.json` with everything, `results.csv` with one line per mesh, k and method, and one
+    per mesh that failed."""
     document = {"environment": environment, "summary": summary(rows), "rows": rows}
+    document["failed_meshes"] = failed_meshes
     atomic.write_text(folder / DOCUMENT, json.dumps(document, indent=1) + "\n")
-    columns = list(dict.fromkeys(name for row in rows for name in row))
+    columns = dict.fromkeys(name for row in rows for name in row)
+    if failed_meshes:
+        columns |= {"status": None, "error": None}
     columns = [name for name in columns if name not in _COLUMNS_LEFT_OUT]
     buffer = io.StringIO()
     writer = csv.DictWriter(buffer, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
+    writer.writerows(failed | {"status": "failed"} for failed in failed_meshes)
     atomic.write_text(folder / TABLE, buffer.getvalue())
