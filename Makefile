@@ -14,7 +14,7 @@ export CCACHE_DIR ?= $(CURDIR)/.cache/ccache
 help:
 	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
 	@echo "make report      compare with METIS and region growing (out/report/report.html)"
-	@echo "make bench       time and quality against partitioners (docs/benchmarks.md; some 20 minutes)"
+	@echo "make bench       time and quality against partitioners (out/bench; some 20 minutes)"
 	@echo "make test        everything that CI runs"
 	@echo "make fuzz        fuzzing of the engine (docs/reliability.md)"
 	@echo "make plugin      the plugin for PyMeshLab: build/plugin/libfilter_spheroseg.so"
@@ -60,6 +60,7 @@ report: setup plugin
 		-o out/report -k 20 200
 
 # BENCH holds options, as in: make bench BENCH="--meshes cow,bunny --k 200" (see --help).
+# docs/benchmarks.md is written anew once there is a sweep, too: make bench BENCH=--validity-sweep
 bench: setup plugin
 	$(PYTHON) -m spheroseg.bench $(BENCH)
 

@@ -4,21 +4,25 @@ from __future__ import annotations
 import errno
 import math
 import os
+import time
 
 import numpy as np
 import pytest
 import recount
-from shapes import octahedron
+from shapes import octahedron, subdivided_sphere
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("pymetis")
 pytest.importorskip("kaminpar")
 pytest.importorskip("mtkahypar")
 
+from spheroseg import api
 from spheroseg.bench import __main__ as program
-from spheroseg.bench import records
+from spheroseg.bench import document, meshes, methods, records
 from spheroseg.bench.meshes import subdivided
-from spheroseg.bench.plan import Plan, sweep_counts
+from spheroseg.bench.methods import MeshRuns
+from spheroseg.bench.plan import Plan, Run, sweep_counts
+from spheroseg.bench.runner import row_of
 from spheroseg.bench.statistics import (
     Bar,
     Table,
@@ -26,8 +30,10 @@ from spheroseg.bench.statistics import (
     fitted_exponent,
     submesh_count,
 )
+from spheroseg.bench.worker import perform
 from spheroseg.evaluate import environment
 from spheroseg.evaluate.judging import geometric_mean, is_valid
+from spheroseg.ply import ply_bytes
 
 
 def row(method: str, edges: int, seconds: float, **changes) -> dict:
@@ -161,6 +167,94 @@ def test_plan_spares_large_meshes_the_slow_rivals():
     assert large.count("metis_kway") == 12
 
 
+def test_plan_spares_high_on_large_meshes():
+    plan = Plan(high_limit=10_000, huge_limit=40_000)
+
+    def counts(face_count: int) -> list[int]:
+        runs = plan.runs(face_count)
+        return sorted({run.submesh_count for run in runs if run.method == "fast_high"})
+
+    assert counts(10_000) == [20, 40, 157, 200]  # 40 is F/256, 157 F/64
+    assert counts(10_001) == [200]
+    assert counts(40_000) == [200]
+    assert counts(40_001) == []
+
+
+@pytest.fixture
+def events(monkeypatch):
+    """What a run does, in order; of a call of the filter the mesh set and the options."""
+    events = []
+    clock, run_filter, memory = time.perf_counter, api.run_filter, {"VmRSS": 500, "VmHWM": 1_200}
+
+    def noted(name: str, result=None):
+        events.append(name)
+        return result
+
+    def noted_call(mesh_set, name, **options):
+        events.append((mesh_set, options))
+        return run_filter(mesh_set, name, **options)
+
+    monkeypatch.setattr(time, "perf_counter", lambda: noted("clock", clock()))
+    monkeypatch.setattr(api, "forget_prepared_mesh", lambda: noted("forget"))
+    monkeypatch.setattr(api, "run_filter", noted_call)
+    monkeypatch.setattr(methods, "_memory", lambda name: noted(name, memory[name]))
+    return events
+
+
+def options_of(call: tuple) -> tuple:
+    return tuple(call[1][name] for name in ("method", "effort", "submesh_count", "thread_count"))
+
+
+def test_a_first_call_is_of_a_new_mesh_that_is_forgotten_before_the_clock_starts(events):
+    mesh_runs = MeshRuns(*octahedron())
+    for _ in range(2):
+        perform(mesh_runs, Run("fast_high", 3, "first", 1).as_job(), 2)
+    first, second = events[2], events[6]
+    assert events == [*("forget", "clock", first, "clock"), *("forget", "clock", second, "clock")]
+    assert options_of(first) == options_of(second) == ("fast", "high", 3, 2)
+    assert first[0] is not second[0]
+
+
+def test_a_second_call_is_of_the_mesh_of_the_call_before(events):
+    timed = perform(MeshRuns(*octahedron()), Run("fast_standard", 4, "again", 1, 2).as_job(), 2)
+    first, second = events[2], events[5]
+    assert events == ["forget", *("clock", first, "clock"), *("clock", second, "clock")]
+    assert options_of(first) == ("fast", "draft", 2, 2)
+    assert options_of(second) == ("fast", "standard", 4, 2)
+    assert first[0] is second[0]
+    assert set(timed.labels) == set(range(4))
+
+
+def test_on_one_thread_is_a_first_call_with_one_thread(events):
+    perform(MeshRuns(*octahedron()), Run("fast_standard", 3, "one_thread", 1).as_job(), 2)
+    assert events == ["forget", "clock", events[2], "clock"]
+    assert options_of(events[2]) == ("fast", "standard", 3, 1)
+
+
+def test_peak_memory_is_what_the_call_adds(events):
+    timed = perform(MeshRuns(*octahedron()), Run("fast_standard", 3, "memory", 0).as_job(), 2)
+    assert events == ["forget", "VmRSS", "clock", events[3], "clock", "VmHWM"]
+    assert timed.details == {"peak_bytes": 700}
+
+
+def test_results_that_are_not_valid_are_counted_and_marked(tmp_path):
+    place = {"commit": "c", "machine": "m"}
+    table = Table(
+        [
+            row("fast_standard", 93, 1.0, **place),
+            row("fast_standard", 93, 1.0, bowtie_count=1, **place),
+            row("metis_kway", 186, 1.0, **place),
+        ]
+    )
+    assert table.get("ball", 200, "fast_standard").invalid_count == 1
+    assert table.get("ball", 200, "metis_kway").invalid_count == 0
+    facts = environment.surroundings() | {"threads": "2"}
+    document.write(tmp_path, table, [], facts, Plan(), [])
+    text = (tmp_path / "benchmarks.md").read_text()
+    # The hexagonal bound is sqrt(6 * 12,800 * 200) / 2 = 1,959.6.
+    assert "| ball | 12,800 | 200 | 0.047* | 0.095 |" in text
+
+
 def test_program_writes_the_document_and_resumes(tmp_path, capsys):
     arguments = ["--meshes", "bone", "--k", "20", "--methods", "fast_standard,metis_kway"]
     arguments += ["--repeats", "1", "--output", str(tmp_path)]
@@ -251,3 +345,110 @@ def test_sweep_counts_invalid_results(tmp_path):
     rows = records.load(tmp_path / "sweep.csv")
     assert {2, 1_511, 3_021, 3_022} <= {row["submesh_count"] for row in rows}
     assert "`fast` draft, sweep over k" in (tmp_path / "benchmarks.md").read_text()
+
+
+@pytest.fixture
+def checkout(tmp_path, monkeypatch):
+    """A checkout with a mesh and docs of its own, in which runs and diagrams take no time."""
+    monkeypatch.setattr(program, "REPOSITORY", tmp_path / "repo")
+    monkeypatch.setattr(meshes, "PYMESHLAB_SAMPLES", ())
+    monkeypatch.setattr(program, "run_mesh", add_valid_rows)
+    monkeypatch.setattr(document.plot, "quality_and_time", lambda *_: None)
+    samples, docs = tmp_path / "repo" / "sample_meshes", tmp_path / "repo" / "docs"
+    samples.mkdir(parents=True)
+    (samples / "ball.ply").write_bytes(ply_bytes(*subdivided_sphere(4)))
+    docs.mkdir()
+    (docs / "benchmarks.md").write_text("old")
+    return tmp_path / "repo"
+
+
+def add_valid_rows(mesh, runs, store, stamp, thread_count, on_row):
+    for run in runs:
+        known = row_of(mesh, run, thread_count) | stamp
+        found = {"found_submesh_count": run.submesh_count, "min_submesh_triangles": 1, "error": ""}
+        store.add(row(run.method, 100, 1.0) | known | found)
+
+
+def docs_of(checkout) -> str:
+    return (checkout / "docs" / "benchmarks.md").read_text()
+
+
+def test_docs_are_written_once_both_runs_are_there(checkout, capsys):
+    assert program.main([]) == 0
+    assert docs_of(checkout) == "old"
+    told = capsys.readouterr().out.splitlines()[-1]
+    assert f"written: {checkout / 'out' / 'bench' / 'benchmarks.md'}; " in told
+    count = 2 * len(sweep_counts(2_048))
+    assert f"is left as it is: {count} of {count} runs are missing (run with --validity-" in told
+    assert program.main(["--validity-sweep"]) == 0
+    assert "sweep over k" in docs_of(checkout)
+    assert (checkout / "docs" / "benchmarks.csv").read_text().count("\n") > 30
+    assert capsys.readouterr().out.endswith(f"written: {checkout / 'docs' / 'benchmarks.md'}\n")
+
+
+@pytest.mark.parametrize("first", [[], ["--validity-sweep"]])
+def test_two_runs_with_the_same_folders_write_other_docs(checkout, tmp_path, first):
+    (second,) = [run for run in ([], ["--validity-sweep"]) if run != first]
+    folders = ["--output", str(tmp_path / "rows"), "--docs", str(tmp_path / "other")]
+    assert program.main([*first, *folders]) == 0
+    assert not (tmp_path / "other").exists()
+    assert program.main([*second, *folders]) == 0
+    text = (tmp_path / "other" / "benchmarks.md").read_text()
+    assert "## Quality at k = 200" in text
+    assert "sweep over k" in text
+    assert docs_of(checkout) == "old"
+
+
+def test_docs_are_left_where_an_option_changes_results(checkout, capsys):
+    for arguments in ([], ["--validity-sweep"]):
+        assert program.main(arguments) == 0
+    (checkout / "docs" / "benchmarks.md").write_text("old")
+    texts = ["--meshes=b*", "--k=20", "--methods=fast_draft", "--samples=.", "--more-meshes=."]
+    names = ("repeats", "threads", "min-triangles", "max-triangles", "sweep-count")
+    names += ("once-limit", "rival-limit", "high-limit", "few-limit")
+    for option in (*texts, *(f"--{name}=9" for name in names)):
+        assert program.main(["--report-only", option]) == 0
+        told = capsys.readouterr().out
+        assert told.endswith(f"is left as it is: {option.split('=')[0]} given\n")
+        assert docs_of(checkout) == "old"
+    assert program.main(["--report-only"]) == 0
+    assert docs_of(checkout) != "old"
+
+
+def test_docs_are_left_where_rows_are_missing(checkout, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        program.main(["--report-only"])
+    assert "there are no results in" in capsys.readouterr().err
+    assert not (checkout / "out").exists()
+    for arguments in ([], ["--validity-sweep"]):
+        assert program.main(arguments) == 0
+    (checkout / "docs" / "benchmarks.md").write_text("old")
+    path = checkout / "out" / "bench" / "runs.csv"
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
+    assert program.main(["--report-only"]) == 0
+    assert docs_of(checkout) == "old"
+    assert "is left as it is: 1 of " in capsys.readouterr().out
+    assert program.main(["--resume"]) == 0
+    assert docs_of(checkout) != "old"
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [
+        ("--k=abc", "argument --k: expected numbers from 2 on or F/N, found 'abc'"),
+        ("--k=20,1", "found '1'"),
+        ("--k=F/0", "found 'F/0'"),
+        ("--k=9000", "these options leave no run on any mesh"),
+        ("--methods=fast_draft,nosuch", "argument --methods: there is no method 'nosuch'"),
+        ("--meshes=ball,nosuch", "argument --meshes: no mesh is named 'nosuch'"),
+        ("--min-triangles=9000", "these options leave no run on any mesh"),
+        ("--repeats=0", "argument --repeats: must be 1 or more, got 0"),
+        ("--sweep-count=0", "argument --sweep-count: must be 1 or more, got 0"),
+        ("--threads=-1", "argument --threads: must be 0 or more, got -1"),
+    ],
+)
+def test_bad_options_are_refused_before_any_run(checkout, option, message, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        program.main([option])
+    assert message in capsys.readouterr().err
+    assert not (checkout / "out").exists()

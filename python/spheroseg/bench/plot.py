@@ -6,10 +6,7 @@ from pathlib import Path
 from matplotlib import pyplot
 
 from spheroseg.bench.statistics import Table, submesh_count
-from spheroseg.evaluate.plots import mark_quality_and_time
-
-_COLOURS = ("#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdae6b", "#756bb1", "#08519c")
-_MARKERS = "osD^vP*X"
+from spheroseg.evaluate.plots import mark, mark_quality_and_time
 
 
 def quality_and_time(
@@ -20,7 +17,7 @@ def quality_and_time(
     methods = list(titles)
     figure, axes = pyplot.subplots(2, 2, figsize=(9.6, 7.2), layout="constrained")
     for axis, kind in zip(axes.flat, kinds, strict=False):
-        for index, method in enumerate(methods):
+        for index, method in enumerate(methods, 1):  # the report's first one is all_pairs
             cases = [
                 table.get(mesh, submesh_count(kind, count), method)
                 for mesh, count in table.meshes.items()
@@ -31,8 +28,7 @@ def quality_and_time(
             times = [1e6 * case.seconds / case.triangle_count for case in cases]
             edges = [case.boundary_edges_over_hexagonal for case in cases]
             valid = all(case.invalid_count == 0 for case in cases)
-            look = titles[method], _COLOURS[index], _MARKERS[index], valid
-            mark_quality_and_time(axis, times, edges, *look)
+            mark_quality_and_time(axis, times, edges, titles[method], *mark(index), valid)
         axis.set_title(f"k = {kind}", fontsize=10)
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)

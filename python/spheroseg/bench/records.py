@@ -77,16 +77,20 @@ def key_of(row: dict) -> tuple:
     return tuple(row[name] for name in KEY)
 
 
+def case_of(row: dict) -> tuple:
+    return tuple(row[name] for name in CASE)
+
+
 def current(rows: Iterable[dict], planned: Iterable[dict], stamp: dict[str, str]) -> list[dict]:
     """The finished rows of this plugin and machine, without those that `planned` ones replace: the
     same case, but with other threads or another content of the mesh."""
-    keys = {tuple(row[name] for name in CASE): key_of(row) for row in planned}
+    keys = {case_of(row): key_of(row) for row in planned}
     return [
         row
         for row in rows
         if all(row[name] == stamp[name] for name in ("plugin", "machine"))
         and row["status"] == "done"
-        and keys.get(tuple(row[name] for name in CASE), key_of(row)) == key_of(row)
+        and keys.get(case_of(row), key_of(row)) == key_of(row)
     ]
 
 
