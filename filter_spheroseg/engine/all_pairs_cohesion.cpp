@@ -4,7 +4,7 @@
 #include "cohesion_state.h"
 #include "measures.h"
 #include "random.h"
-#include "swap_device.h"
+#include "swap_rounds.h"
 #include "threads.h"
 #include "yielding_barrier.h"
 
@@ -16,7 +16,6 @@ namespace spheroseg {
 
 namespace {
 
-/// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
 constexpr long long kPairsPerReport = 1LL << 26;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
 constexpr int kMinSlotsPerThread = 512;
@@ -115,39 +114,6 @@ long long play_rounds(ChordSwapState& state,
     return swap_count;
 }
 
-/// One iteration over all pairs, by `device` unless it is null. `complete` becomes false when the
-/// time limit cut it short.
-long long play_iteration(ChordSwapState& state,
-                         CohesionRounds* device,
-                         const SwapLimits& limits,
-                         int iterations_done,
-                         const Progress& progress,
-                         bool& complete) {
-    const RoundRobin schedule(state.face_count());
-    const int threads = threads_for(limits.thread_count, schedule.slot_count(), kMinSlotsPerThread);
-    const int rounds = schedule.round_count();
-    const int step = device != nullptr
-        ? device->rounds_per_report()
-        : static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
-    long long swap_count = 0;
-    for (int begin = 0; begin < rounds; begin += step) {
-        if (limits.expired()) {
-            complete = false;
-            break;
-        }
-        report_progress(progress,
-                        open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
-                        "Cohesion");
-        const int end = std::min(rounds, begin + step);
-        swap_count += device != nullptr ? device->play(begin, end)
-                                        : play_rounds(state, schedule, begin, end, threads);
-    }
-    if (device != nullptr) {
-        device->read_labels(state.label);
-    }
-    return swap_count;
-}
-
 } // namespace
 
 std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::uint64_t seed) {
@@ -160,17 +126,6 @@ std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::
         std::swap(labels[f], labels[random.below(f + 1)]);
     }
     return labels;
-}
-
-std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
-                                           const std::vector<Vec3>& sphere_positions) {
-    std::vector<Vec3> centroids;
-    centroids.reserve(mesh.faces.size());
-    for (const Triangle& face : mesh.faces) {
-        centroids.push_back(unit_or_zero(sphere_positions[face[0]] + sphere_positions[face[1]] +
-                                         sphere_positions[face[2]]));
-    }
-    return centroids;
 }
 
 double cohesion_energy(const std::vector<Vec3>& face_centroids,
@@ -195,8 +150,9 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
     const std::unique_ptr<CohesionRounds> device = limits.device != nullptr
         ? limits.device->begin_cohesion(state.face, state.label, submesh_count)
         : nullptr;
-    double least_energy = energy_of(state);
-    int least_energy_at = 0;
+    const RoundRobin schedule(state.face_count());
+    const int threads = threads_for(limits.thread_count, schedule.slot_count(), kMinSlotsPerThread);
+    LeastEnergy least_energy(energy_of(state));
     bool offset_used = false;
     bool converged = submesh_count < 2;
     while (!converged) {
@@ -208,8 +164,14 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
         if (device) {
             device->set_centroids(centroids);
         }
-        const long long swap_count =
-            play_iteration(state, device.get(), limits, history.count(), progress, complete);
+        const IterationOverRounds iteration{"Cohesion", history.count(), schedule, kPairsPerReport};
+        const long long swap_count = iteration.play(
+            device.get(), limits, progress, complete, [&](int round_begin, int round_end) {
+                return play_rounds(state, schedule, round_begin, round_end, threads);
+            });
+        if (device) {
+            device->read_labels(state.label);
+        }
         centroids = submesh_centroids(state, submesh_count);
         converged = complete && swap_count == 0;
         if (converged && !offset_used && part_coinciding_centroids(centroids, seed)) {
@@ -221,11 +183,7 @@ SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
         history.swaps.push_back(static_cast<double>(swap_count));
         history.energy.push_back(energy_of(state));
         history.seconds.push_back(watch.elapsed_seconds());
-        if (history.energy.back() < least_energy) {
-            least_energy = history.energy.back();
-            least_energy_at = history.count();
-        }
-        converged = converged || history.count() - least_energy_at >= kCohesionPatience;
+        converged = !least_energy.may_fall_after(history.energy.back()) || converged;
         if (!complete) {
             history.time_limit_hit = true;
             break;

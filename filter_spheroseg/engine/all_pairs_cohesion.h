@@ -9,10 +9,6 @@ namespace spheroseg {
 /// Labels 0 .. submesh_count - 1 in random order; their counts differ by at most one.
 std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::uint64_t seed);
 
-/// Centroid of each face on the sphere, projected onto it.
-std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
-                                           const std::vector<Vec3>& sphere_positions);
-
 /// Sum over the faces of the chord distance between a face's centroid and that of its sub-mesh,
 /// which is the mean of the centroids of its faces, projected onto the sphere. In the arithmetic
 /// of `cohere_all_pairs` (distances in single precision, their sum in double).

@@ -4,8 +4,7 @@
 #include "measures.h"
 #include "parallel_failure.h"
 #include "refinement_cost.h"
-#include "round_robin.h"
-#include "swap_device.h"
+#include "swap_rounds.h"
 #include "threads.h"
 #include "yielding_barrier.h"
 
@@ -16,7 +15,6 @@ namespace spheroseg {
 
 namespace {
 
-/// Pairs between two looks at the clock and the progress callback: some tens of milliseconds.
 constexpr long long kPairsPerReport = 1LL << 28;
 /// A thread with fewer slots than this would mostly wait at the end of each round.
 constexpr int kMinSlotsPerThread = 4096;
@@ -202,36 +200,6 @@ private:
     long long stamp_ = 0;
 };
 
-/// One iteration over all pairs, by `device` unless it is null. `complete` becomes false when the
-/// time limit cut it short.
-long long play_iteration(Refinement& refinement,
-                         SwapRounds* device,
-                         const SwapLimits& limits,
-                         int iterations_done,
-                         const Progress& progress,
-                         bool& complete) {
-    const RoundRobin& schedule = refinement.schedule();
-    const int threads = threads_for(limits.thread_count, schedule.slot_count(), kMinSlotsPerThread);
-    const int rounds = schedule.round_count();
-    const int step = device != nullptr
-        ? device->rounds_per_report()
-        : static_cast<int>(std::max(1LL, kPairsPerReport / std::max(1, schedule.slot_count())));
-    long long swap_count = 0;
-    for (int begin = 0; begin < rounds; begin += step) {
-        if (limits.expired()) {
-            complete = false;
-            break;
-        }
-        report_progress(progress,
-                        open_ended_fraction(iterations_done + static_cast<double>(begin) / rounds),
-                        "Refinement");
-        const int end = std::min(rounds, begin + step);
-        swap_count += device != nullptr ? device->play(begin, end)
-                                        : refinement.play_rounds(begin, end, threads);
-    }
-    return swap_count;
-}
-
 } // namespace
 
 double refinement_energy(const DualGraph& dual_graph, const std::vector<int>& labels) {
@@ -248,6 +216,8 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
                                 const Progress& progress) {
     SwapIterations history;
     Refinement refinement(dual_graph, labels);
+    const RoundRobin& schedule = refinement.schedule();
+    const int threads = threads_for(limits.thread_count, schedule.slot_count(), kMinSlotsPerThread);
     const std::unique_ptr<SwapRounds> device =
         limits.device != nullptr ? limits.device->begin_refinement(dual_graph, labels) : nullptr;
     double boundary = count_boundary_edges(dual_graph, labels);
@@ -258,8 +228,12 @@ SwapIterations refine_all_pairs(const DualGraph& dual_graph,
         const StopWatch watch;
         const std::vector<int> before = labels;
         bool complete = true;
-        const long long swap_count =
-            play_iteration(refinement, device.get(), limits, history.count(), progress, complete);
+        const IterationOverRounds iteration{
+            "Refinement", history.count(), schedule, kPairsPerReport};
+        const long long swap_count = iteration.play(
+            device.get(), limits, progress, complete, [&](int round_begin, int round_end) {
+                return refinement.play_rounds(round_begin, round_end, threads);
+            });
         if (device) {
             device->read_labels(labels);
         }

@@ -3,6 +3,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "cohesion_state.h"
 #include "device_swaps.h"
 
 namespace spheroseg {

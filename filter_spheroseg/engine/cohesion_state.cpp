@@ -17,6 +17,17 @@ Vec3 unit_or_zero(const Vec3& p) {
     return norm > 0.0 ? p * (1.0 / norm) : Vec3{};
 }
 
+std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
+                                           const std::vector<Vec3>& sphere_positions) {
+    std::vector<Vec3> centroids;
+    centroids.reserve(mesh.faces.size());
+    for (const Triangle& face : mesh.faces) {
+        centroids.push_back(unit_or_zero(sphere_positions[face[0]] + sphere_positions[face[1]] +
+                                         sphere_positions[face[2]]));
+    }
+    return centroids;
+}
+
 ChordSwapState make_cohesion_state(const std::vector<Vec3>& face_centroids,
                                    const std::vector<int>& labels) {
     ChordSwapState state;

@@ -5,11 +5,12 @@
 
 namespace spheroseg {
 
-/// Iterations without a new least energy after which cohesion gives up.
-constexpr int kCohesionPatience = 32;
-
 /// p / |p|, or the origin.
 Vec3 unit_or_zero(const Vec3& p);
+
+/// Centroid of each face on the sphere, projected onto it.
+std::vector<Vec3> face_centroids_on_sphere(const TriangleMesh& mesh,
+                                           const std::vector<Vec3>& sphere_positions);
 
 /// State with the faces and labels set, but not yet `own` and `distance`.
 ChordSwapState make_cohesion_state(const std::vector<Vec3>& face_centroids,
@@ -24,5 +25,27 @@ void assign_centroids(ChordSwapState& state, const PointArrays& centroids);
 
 /// Sum of the distances, in double precision and in the order of the faces.
 double energy_of(const ChordSwapState& state);
+
+/// When cohesion gives up: after so many iterations without a new least energy.
+class LeastEnergy {
+public:
+    explicit LeastEnergy(double energy) : least_(energy) {}
+
+    /// To be told of the energy after each iteration. False: give up.
+    bool may_fall_after(double energy) {
+        ++idle_iterations_;
+        if (energy < least_) {
+            least_ = energy;
+            idle_iterations_ = 0;
+        }
+        return idle_iterations_ < kPatience;
+    }
+
+private:
+    static constexpr int kPatience = 32;
+
+    double least_;
+    int idle_iterations_ = 0;
+};
 
 } // namespace spheroseg

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fast_segmentation.h"
 
-#include "all_pairs_cohesion.h"
 #include "balance.h"
 #include "best_result.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
 #include "face_weights.h"

@@ -253,8 +253,7 @@ SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
                             const DualGraph* dual_graph) {
     SwapIterations history;
     PairCohesion cohesion(face_centroids, labels, submesh_count, limits.thread_count);
-    double least_energy = cohesion.energy();
-    int least_energy_at = 0;
+    LeastEnergy least_energy(cohesion.energy());
     bool converged = submesh_count < 2;
     while (!converged) {
         if (limits.max_iterations > 0 && history.count() >= limits.max_iterations) {
@@ -273,11 +272,7 @@ SwapIterations cohere_pairs(const std::vector<Vec3>& face_centroids,
             history.boundary_edges.push_back(count_boundary_edges(*dual_graph, cohesion.labels()));
         }
         history.seconds.push_back(watch.elapsed_seconds());
-        if (history.energy.back() < least_energy) {
-            least_energy = history.energy.back();
-            least_energy_at = history.count();
-        }
-        converged = swap_count == 0 || history.count() - least_energy_at >= kCohesionPatience;
+        converged = !least_energy.may_fall_after(history.energy.back()) || swap_count == 0;
     }
     labels = cohesion.labels();
     return history;

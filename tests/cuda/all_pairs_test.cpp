@@ -3,6 +3,7 @@
 // iterations must be the same.
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "cohesion_state.h"
 #include "device_swaps.h"
 #include "emulated_device.h"
 #include "mesh_file.h"

@@ -4,6 +4,7 @@
 
 #include "all_pairs_cohesion.h"
 #include "all_pairs_refinement.h"
+#include "cohesion_state.h"
 #include "emulated_device.h"
 #include "test_meshes.h"
 

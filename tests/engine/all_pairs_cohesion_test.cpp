@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "all_pairs_cohesion.h"
+#include "cohesion_state.h"
 
 #include "measures.h"
 #include "test_meshes.h"

@@ -2,6 +2,7 @@
 #include "all_pairs_refinement.h"
 
 #include "all_pairs_cohesion.h"
+#include "cohesion_state.h"
 #include "measures.h"
 #include "refinement_cost.h"
 #include "round_robin.h"

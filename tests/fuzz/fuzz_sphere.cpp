@@ -2,6 +2,7 @@
 #include "fuzz_sphere.h"
 
 #include "all_pairs_cohesion.h"
+#include "cohesion_state.h"
 #include "pair_cohesion.h"
 #include "parametrization.h"
 #include "random.h"
