@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import socket
 import subprocess
 import sys
 import time
@@ -377,7 +378,7 @@ def test_a_second_report_takes_the_place_of_the_first(tmp_path, capsys):
     first = files_below(output)
     assert {"labels/sub/two-k5-all_pairs.npy", "pictures/one-k5-region_growing.png"} < first
     assert {"plots/iterations/one-k5-all_pairs.svg", "results.json", "report.html"} < first
-    assert set(json.loads((output / ".report").read_text())) > first - {".report"}
+    assert set(json.loads((output / ".report").read_text())) > first - {".report", ".report.lock"}
     page = (output / "report.html").read_bytes()
     (output / "labels" / "notes.txt").write_text("mine")
 
@@ -392,6 +393,7 @@ def test_a_second_report_takes_the_place_of_the_first(tmp_path, capsys):
     assert evaluate(again, output, methods=("region_growing",)) == 0
     assert files_below(output) == {
         ".report",
+        ".report.lock",
         "labels/notes.txt",
         "labels/one-k5-region_growing.npy",
         "labels/one.npz",
@@ -414,11 +416,28 @@ def test_a_report_replaces_no_file_of_others(tmp_path, capsys):
     assert files_below(tmp_path) == {"in/one.ply", "results.csv"}
 
 
+def test_a_second_evaluation_in_a_folder_is_refused_while_the_first_one_runs(tmp_path, capsys):
+    write_inputs(tmp_path / "in")
+    output = tmp_path / "out"
+    with report_folder.prepared(output, ["report.html"]):
+        (output / "report.html").write_text("of the first")
+        assert evaluate(tmp_path / "in", output, methods=("region_growing",)) == 2
+        assert capsys.readouterr().err == (
+            f"spheroseg evaluate: {output}: another evaluation writes there; wait until it is "
+            f"done, or name another folder (process {os.getpid()} on {socket.gethostname()})\n"
+        )
+        assert files_below(output) == {".report", ".report.lock", "report.html"}
+        assert json.loads((output / ".report").read_text()) == ["report.html"]
+    assert evaluate(tmp_path / "in", output, methods=("region_growing",)) == 0
+    assert "region_growing" in (output / "report.html").read_text()
+
+
 def test_a_list_of_files_outside_the_folder_removes_none(tmp_path):
     (tmp_path / "mine").touch()
     folder = tmp_path / "out"
     folder.mkdir()
     (folder / ".report").write_text(json.dumps(["../mine", str(tmp_path / "mine"), "gone"]))
+    (folder / ".report.lock").touch()
     report_folder.keep_only(folder, [])
     assert (tmp_path / "mine").exists()
     assert files_below(folder) == set()

@@ -40,7 +40,7 @@ from spheroseg.lock import locked
 MANIFEST_STEM = "manifest"
 MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
-_LOCK_NAME = ".lock"
+_LOCK_NAME = f"{RECORD_FOLDER}/.lock"
 _GRACE_SECONDS = 2
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 
@@ -84,8 +84,7 @@ def prepared_folder(
     if not records.is_dir():
         _checked_results(folder, jobs, lists, resume)  # a refusal leaves nothing
     records.mkdir(parents=True, exist_ok=True)
-    refusal = f"{folder}: another batch writes there; wait until it is done, or name another folder"
-    with locked(records / _LOCK_NAME, refusal):
+    with locked(folder, _LOCK_NAME, "batch"):
         remember_results(folder, _checked_results(folder, jobs, lists, resume))
         yield
 

@@ -62,7 +62,23 @@ def run(arguments) -> int:
     sources = inputs.collect(arguments.inputs)
     report = _report_module()
     files = runner.files_of(sources, plan)
-    earlier = report_folder.prepare(folder, files)
+    with report_folder.prepared(folder, files) as earlier:
+        rows, failed_meshes, failures = _evaluate(sources, plan, folder)
+        if all(row["status"] == "left out" for row in rows):
+            report_folder.keep_only(folder, earlier)
+            raise InputError(_why_nothing_ran(rows, failures))
+        environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
+        runner.write_numbers(folder, rows, failed_meshes, environment)
+        page = report.write_report(folder, rows, failed_meshes, environment, arguments.viewer_limit)
+        report_folder.keep_only(folder, files)
+    print(page)
+    return 1 if failures else 0
+
+
+def _evaluate(
+    sources: list[inputs.Source], plan: runner.Plan, folder: Path
+) -> tuple[list[dict], list[dict], list[str]]:
+    """All rows, the meshes that failed, and a line for each failure, which is said, too."""
     with MeshProgress("Evaluating", len(sources)) as progress:
         rows, failed_meshes = runner.evaluate(sources, plan, folder, lambda *_: progress.advance())
     failures = [f"{failed['path']}: {failed['error']}" for failed in failed_meshes]
@@ -74,15 +90,7 @@ def run(arguments) -> int:
     if rows or len(failures) > 1:  # else the one line of the error says it
         for failure in failures:
             progress.say_failed(failure)
-    if all(row["status"] == "left out" for row in rows):
-        report_folder.keep_only(folder, earlier)
-        raise InputError(_why_nothing_ran(rows, failures))
-    environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
-    runner.write_numbers(folder, rows, failed_meshes, environment)
-    page = report.write_report(folder, rows, failed_meshes, environment, arguments.viewer_limit)
-    report_folder.keep_only(folder, files)
-    print(page)
-    return 1 if failures else 0
+    return rows, failed_meshes, failures
 
 
 def _plan(arguments) -> runner.Plan:

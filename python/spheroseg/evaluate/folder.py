@@ -3,18 +3,21 @@
 
 The list `DIR/.report` names every file that a report may write; it is there before the first of
 them. When a report is done, it takes the place of the earlier one: what that one had more is
-removed, even where it was broken off, and nothing else.
+removed, even where it was broken off, and nothing else. `DIR/.report.lock` lies there as long as
+the list does.
 """
 
 import contextlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from spheroseg import atomic
 from spheroseg.errors import InputError
+from spheroseg.lock import locked
 
 LIST_NAME = ".report"
+LOCK_NAME = ".report.lock"
 PAGE = "report.html"
 TABLE = "results.csv"
 DOCUMENT = "results.json"
@@ -40,23 +43,31 @@ def files_of(results: Iterable[tuple[str, int, str]]) -> list[str]:
     return files
 
 
-def prepare(folder: Path, files: list[str]) -> list[str]:
-    """Makes the folder for a report that writes `files`; returns those of an earlier report there.
+@contextlib.contextmanager
+def prepared(folder: Path, files: list[str]) -> Iterator[list[str]]:
+    """Makes the folder for a report that writes `files`, which is for this one alone while the
+    `with` block runs; yields the files of an earlier report there.
 
-    Refuses a folder where one of the files is there already and of no report.
+    Refuses a folder where another report is written, and one where one of the files is there
+    already and of no report.
     """
-    earlier = _listed(folder)
-    known = set(earlier)
+    _check_free(folder, files)  # a refusal leaves nothing
+    folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder, LOCK_NAME, "evaluation"):
+        earlier = _listed(folder)
+        atomic.remove_leftovers(folder)
+        _write_list(folder, list(dict.fromkeys([*earlier, *files])))
+        yield earlier
+
+
+def _check_free(folder: Path, files: list[str]) -> None:
+    known = set(_listed(folder))
     for file in files:
         if file not in known and (folder / file).exists():
             raise InputError(
                 f"{folder / file}: is there already, and the report would replace it; name "
                 "another folder"
             )
-    folder.mkdir(parents=True, exist_ok=True)
-    atomic.remove_leftovers(folder)
-    _write_list(folder, [*earlier, *(file for file in files if file not in known)])
-    return earlier
 
 
 def keep_only(folder: Path, files: list[str]) -> None:
@@ -75,7 +86,8 @@ def keep_only(folder: Path, files: list[str]) -> None:
     if files:
         _write_list(folder, files)
     else:
-        (folder / LIST_NAME).unlink(missing_ok=True)
+        for name in (LIST_NAME, LOCK_NAME):
+            (folder / name).unlink(missing_ok=True)
 
 
 def _listed(folder: Path) -> list[str]:
