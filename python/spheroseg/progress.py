@@ -32,7 +32,7 @@ _REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
 
 class MeshProgress:
     """Of `total` meshes on stderr: where that is a terminal a bar with the time left while the
-    `with` block runs, and in any case a line for each failure."""
+    `with` block runs, and in any case the lines that are said."""
 
     def __init__(self, title: str, total: int):
         columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
@@ -50,8 +50,11 @@ class MeshProgress:
     def advance(self) -> None:
         self._bar.advance(self._task)
 
+    def say(self, line: str) -> None:
+        self._console.print(line, markup=False, emoji=False)
+
     def say_failed(self, failure: str) -> None:
-        self._console.print(f"failed: {failure}", markup=False, emoji=False)
+        self.say(f"failed: {failure}")
 
 
 @contextlib.contextmanager

@@ -22,7 +22,14 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
-from processes import children, environment, has_plugin, is_running, wait_until
+from processes import (
+    children,
+    environment,
+    has_plugin,
+    is_running,
+    read_or_nothing,
+    wait_until,
+)
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
@@ -659,7 +666,7 @@ def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, 
         dask(*worker) as first,
         dask(*worker),
     ):
-        wait_until(address_file.exists)
+        wait_until(lambda: read_or_nothing(address_file))
         address = json.loads(address_file.read_text())["address"]
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60)
@@ -682,7 +689,7 @@ def dask_cluster(folder: Path, *worker_arguments):
     with contextlib.ExitStack() as running:
         scheduler = ("scheduler", "--port", 0, "--scheduler-file", file, "--no-dashboard")
         process = running.enter_context(dask(*scheduler))
-        wait_until(file.exists)
+        wait_until(lambda: read_or_nothing(file))
 
         def start_worker():
             running.enter_context(dask(*worker, *worker_arguments))
@@ -717,6 +724,68 @@ def test_a_lost_scheduler_ends_the_run_with_what_is_done(number, tmp_path):
     assert (code, "3 of 3 meshes done" in said) == (0, True)
 
 
+def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on(
+    tmp_path, monkeypatch, capsys
+):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(runner, "_IDLE_SECONDS", 0.5)
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "3"]
+    said = []
+    with (
+        futures.ThreadPoolExecutor() as pool,
+        dask_cluster(tmp_path) as (address, start_worker, _),
+    ):
+        code = pool.submit(main, [*arguments, "--scheduler", address])
+        wait_until(lambda: said.append(capsys.readouterr().err) or any(said))
+        start_worker()
+        assert code.result(60) == 0
+        assert main([*arguments, "--resume", "--scheduler", address]) == 0
+    assert "".join(said) + capsys.readouterr().err == (
+        f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
+        f"start one: dask worker {address}\n"
+    )
+
+
+def test_a_worker_that_takes_long_is_a_worker(tmp_path, monkeypatch, capsys):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(runner, "_IDLE_SECONDS", 0.1)
+    write_mesh(tmp_path / "a.ply", levels=5)
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "20"]
+    with dask_cluster(tmp_path) as (address, start_worker, _):
+        start_worker()
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=60)
+        assert main([*arguments, "--scheduler", address]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def wait_for_batches(client, count: int) -> None:
+    """Until as many have given all meshes to the scheduler."""
+    waiting = lambda dask_scheduler: sum(  # noqa: E731 (travels by value)
+        bool(state.wants_what) for state in dask_scheduler.clients.values()
+    )
+    wait_until(lambda: client.run_on_scheduler(waiting) == count)
+
+
+def test_a_scheduler_that_is_lost_before_it_has_a_worker_ends_the_run(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    with dask_cluster(tmp_path) as (address, _, scheduler):
+        arguments = [tmp_path / "a.ply", "-o", tmp_path / "out", "--scheduler", address]
+        process = start_batch(*arguments)
+        with distributed.Client(address, set_as_default=False) as client:
+            wait_for_batches(client, 1)
+        scheduler.kill()
+        _, complained = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert complained == (
+        f"spheroseg batch: the Dask scheduler at {address} was lost, or has cancelled the work; go "
+        "on with --resume\n"
+    )
+
+
 def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
     distributed = pytest.importorskip("distributed")
     write_mesh(tmp_path / "in" / "a.ply")
@@ -730,10 +799,7 @@ def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
             )
             for k in (3, 8)
         ]
-        waiting = lambda dask_scheduler: sum(  # noqa: E731 (travels by value)
-            bool(state.wants_what) for state in dask_scheduler.clients.values()
-        )
-        wait_until(lambda: client.run_on_scheduler(waiting) == 2)
+        wait_for_batches(client, 2)
         start_worker()
         said = [process.communicate(timeout=120) for process in processes]
     assert [process.returncode for process in processes] == [0, 0], said

@@ -252,7 +252,7 @@ def test_an_interrupt_between_two_results_of_a_batch_ends_what_runs(monkeypatch)
     monkeypatch.setattr(runner, "signal_running", lambda number: ended.set())
     both = [jobs.Job("a.ply", name, "out", {}, (), {}) for name in ("quick", "slow")]
     with pytest.raises(KeyboardInterrupt):
-        runner.run_all(both, interrupt, resume=False, worker_count=2)
+        runner.run_all(both, interrupt, resume=False, worker_count=2, on_hint=print)
     assert ended.is_set()
 
 

@@ -42,6 +42,7 @@ MANIFEST_FORMS = ("csv", "parquet")
 TIMINGS_NAME = "timings.csv"
 _LOCK_NAME = f"{RECORD_FOLDER}/.lock"
 _GRACE_SECONDS = 2
+_IDLE_SECONDS = 10
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 
 # Measures of the manifest: all single values that are the same on every run.
@@ -130,15 +131,16 @@ def run_all(
     *,
     resume: bool,
     worker_count: int,
+    on_hint: Callable[[str], None],
     scheduler: str | None = None,
 ) -> list[Record]:
     """Does the jobs that have no valid record yet; returns all records in the order of `jobs`. Of
     a mesh that fails now, earlier results are removed.
 
-    `on_record` gets each record as it comes. Raises DiskFullError when a job finds the disk full;
-    jobs that have not begun are left undone then, for a later run with `resume`. Where the
-    scheduler is lost, those that are not done have records with the status `undone`. After a
-    KeyboardInterrupt those that run here are ended, too.
+    `on_record` gets each record as it comes, `on_hint` what holds the run up. Raises DiskFullError
+    when a job finds the disk full; jobs that have not begun are left undone then, for a later run
+    with `resume`. Where the scheduler is lost, those that are not done have records with the status
+    `undone`. After a KeyboardInterrupt those that run here are ended, too.
     """
     records: dict[str, Record] = {}
     waiting: dict[str, Job] = {}
@@ -150,7 +152,10 @@ def run_all(
             records[job.name] = record
             on_record(record)
     to_do = list(waiting.values())
-    source = _on_dask(to_do, scheduler) if scheduler else _on_this_machine(to_do, worker_count)
+    if scheduler:
+        source = _on_dask(to_do, scheduler, on_hint)
+    else:
+        source = _on_this_machine(to_do, worker_count)
     try:
         for record in source:
             if record["status"] == "disk_full":
@@ -201,7 +206,7 @@ def _end_running(submitted: list[futures.Future]) -> None:
         time.sleep(0.05)
 
 
-def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
+def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) -> Iterator[Record]:
     from distributed import Client, as_completed
     from distributed.comm import get_address_host_port
 
@@ -235,6 +240,11 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
             for job in jobs
         }
         try:
+            if not _has_worker(client, list(submitted)):
+                on_hint(
+                    f"the Dask scheduler at {scheduler} has no worker; the run goes on when you "
+                    f"start one: dask worker {scheduler}"
+                )
             results = _ResultsOfCluster()
             for future in as_completed(submitted, loop=client.loop):
                 job = submitted[future]
@@ -254,6 +264,20 @@ def _on_dask(jobs: list[Job], scheduler: str) -> Iterator[Record]:
                     yield failed_record(job, message)
         finally:
             client.cancel(list(submitted))
+
+
+def _has_worker(client, submitted: list) -> bool:
+    """False where some seconds bring no result and no worker is there."""
+    from distributed import wait
+
+    try:
+        with client.as_current():
+            wait(submitted, timeout=_IDLE_SECONDS, return_when="FIRST_COMPLETED")
+    except TimeoutError:
+        return bool(client.scheduler_info()["workers"])
+    except futures.CancelledError:  # without a scheduler
+        pass
+    return True
 
 
 class _ResultsOfCluster:

@@ -82,6 +82,7 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
                 done,
                 resume=arguments.resume,
                 worker_count=workers,
+                on_hint=lambda hint: progress.say(f"spheroseg batch: {hint}"),
                 scheduler=arguments.scheduler,
             )
         manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)
