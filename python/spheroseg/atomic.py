@@ -11,7 +11,7 @@ import secrets
 import shutil
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 TEMPORARY_SUFFIX = ".spheroseg-part"
@@ -43,6 +43,31 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
             temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
+    """Makes the folder and yields a function that writes a file there, atomically, under a name.
+    Where the block does not end well, files and folders that are new are removed."""
+    with contextlib.ExitStack() as undo:
+        for parent in (*reversed(folder.parents), folder):
+            if not parent.exists():
+                undo.callback(_remove_empty, parent)
+        folder.mkdir(parents=True, exist_ok=True)
+
+        def write(name: str, data: bytes) -> None:
+            path = folder / name
+            if not path.exists():
+                undo.callback(path.unlink, missing_ok=True)
+            write_bytes(path, data)
+
+        yield write
+        undo.pop_all()
+
+
+def _remove_empty(folder: Path) -> None:
+    with contextlib.suppress(OSError):
+        folder.rmdir()
 
 
 def check_place(path: Path) -> None:

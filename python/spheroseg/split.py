@@ -27,23 +27,22 @@ def write_split(
 
     Each file has the vertex property `source_vertex`, the face property `source_face` and, as face
     `quality`, the label. `face_colours`, (F, 3) uint8, and `vertex_colours`, (V, 3), are kept where
-    given. An empty sub-mesh has no file: its entry in the manifest says null.
+    given. An empty sub-mesh has no file: its entry in the manifest says null. Where not all can be
+    written, also after a KeyboardInterrupt, none of the new files stays.
     """
-    folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     digits = max(4, len(str(submeshes.count - 1)))
     entries = []
-    for submesh in range(submeshes.count):
-        name = f"submesh_{submesh:0{digits}d}.ply"
-        positions, triangles = submeshes.block(submesh)
-        if len(triangles) > 0:
-            data = _submesh_bytes(submeshes, submesh, vertices, face_colours, vertex_colours)
-            atomic.write_bytes(folder / name, data)
-        entries.append(_entry(submeshes, submesh, name, len(positions), len(triangles)))
-    manifest = {"source": source, "submesh_count": submeshes.count, "submeshes": entries}
-    path = folder / MANIFEST_NAME
-    atomic.write_text(path, json.dumps(manifest, indent=1) + "\n")
-    return path
+    with atomic.all_or_none(Path(folder)) as write:
+        for submesh in range(submeshes.count):
+            name = f"submesh_{submesh:0{digits}d}.ply"
+            positions, triangles = submeshes.block(submesh)
+            if len(triangles) > 0:
+                data = _submesh_bytes(submeshes, submesh, vertices, face_colours, vertex_colours)
+                write(name, data)
+            entries.append(_entry(submeshes, submesh, name, len(positions), len(triangles)))
+        manifest = {"source": source, "submesh_count": submeshes.count, "submeshes": entries}
+        write(MANIFEST_NAME, (json.dumps(manifest, indent=1) + "\n").encode())
+    return Path(folder) / MANIFEST_NAME
 
 
 def _submesh_bytes(

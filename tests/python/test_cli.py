@@ -269,11 +269,11 @@ def test_a_full_disk_is_an_error_and_spoils_no_file(run, small_disk, command, op
     )
 
 
-def test_split_on_a_full_disk_says_that_the_folder_must_be_emptied(run, small_disk):
-    parts = small_disk / "parts"
-    code, _, errors = run("split", LEAF, "-k", "200", "-o", parts)
+def test_split_on_a_full_disk_leaves_nothing(run, small_disk):
+    code, _, errors = run("split", LEAF, "-k", "200", "-o", small_disk / "new" / "parts")
     assert (code, errors.count("\n")) == (2, 1)
-    assert f"'; make room and run again, after emptying {parts}\n" in errors
+    assert errors.endswith(".ply'; make room and run again\n")
+    assert list(small_disk.iterdir()) == []
 
 
 def test_a_mesh_that_is_not_whole_on_the_disk_is_an_error(run, tmp_path, monkeypatch):

@@ -182,6 +182,26 @@ def test_command_line_ends_with_one_line_and_writes_nothing(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["mesh.ply"]
 
 
+def test_split_leaves_no_file_and_no_folder(tmp_path):
+    vertices, faces = bumpy_sphere(5, 0)
+    (tmp_path / "mesh.ply").write_bytes(ply_bytes(vertices, faces))
+    (tmp_path / "labels.txt").write_text("".join(f"{label}\n" for label in range(len(faces))))
+    call = [sys.executable, "-m", "spheroseg", "split", "mesh.ply", "--labels", "labels.txt"]
+    process = subprocess.Popen(
+        [*call, "-o", "parts"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+    )
+    wait_until((tmp_path / "parts" / "submesh_0020.ply").exists)
+    process.send_signal(signal.SIGINT)
+    said, complained = process.communicate()
+    assert (process.returncode, said, complained) == (130, "", "spheroseg split: interrupted\n")
+    assert {path.name for path in tmp_path.iterdir()} == {"mesh.ply", "labels.txt"}
+
+
 @pytest.mark.parametrize("send", [os.kill, os.killpg])
 def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
     (tmp_path / "a.ply").write_bytes(ply_bytes(*bumpy_sphere(1, 0)))

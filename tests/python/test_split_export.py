@@ -372,6 +372,30 @@ def test_split_of_an_empty_submesh_says_null(tmp_path):
     assert sorted(p.name for p in tmp_path.glob("*.ply")) == files[::2]
 
 
+@pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
+@pytest.mark.parametrize("name", ["there", "new/parts"])
+def test_a_split_that_fails_leaves_only_what_was_there(
+    labelled, tmp_path, monkeypatch, name, error
+):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "submesh_0000.ply").touch()
+    (tmp_path / "there" / "notes.txt").touch()
+    before = sorted(tmp_path.rglob("*"))
+    folder = tmp_path / name
+    write = atomic.write_bytes
+
+    def fail_at_the_manifest(path, data):
+        if path.name == "manifest.json":
+            assert len(list(folder.glob("*.ply"))) == 7
+            raise error
+        write(path, data)
+
+    monkeypatch.setattr(atomic, "write_bytes", fail_at_the_manifest)
+    with pytest.raises(error):
+        write_split(split_into_submeshes(*labelled), labelled[0], folder, "source.ply")
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 def test_ply_keeps_doubles_that_floats_would_lose():
     vertices, faces = octahedron()
     assert b"property float x" in ply_bytes(vertices, faces)

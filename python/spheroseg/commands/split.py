@@ -7,7 +7,6 @@ MESH. DIR/manifest.json names each file with its counts and its neighbours.
 
 from pathlib import Path
 
-from spheroseg import atomic
 from spheroseg.commands import labelled, shared
 from spheroseg.errors import InputError
 from spheroseg.split import MANIFEST_NAME, write_split
@@ -24,17 +23,13 @@ def run(arguments) -> int:
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError(f"{folder}: must be a new or an empty folder")
     mesh = labelled.read(arguments)
-    try:
-        write_split(
-            mesh.submeshes,
-            mesh.vertices,
-            folder,
-            arguments.mesh,
-            mesh.face_colours,
-            mesh.vertex_colours,
-        )
-    except atomic.DiskFullError as error:
-        error.strerror += f", after emptying {folder}"
-        raise
+    write_split(
+        mesh.submeshes,
+        mesh.vertices,
+        folder,
+        arguments.mesh,
+        mesh.face_colours,
+        mesh.vertex_colours,
+    )
     print(f"{mesh.submeshes.count} sub-meshes in {folder} ({MANIFEST_NAME} lists them)")
     return 0
