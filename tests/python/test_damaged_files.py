@@ -507,6 +507,23 @@ def test_a_ply_that_pymeshlab_reads_otherwise_than_written_is_refused(outcome, o
     assert complaint in result[1]
 
 
+@pytest.mark.parametrize("end", ["", "\n\n", "\n \n\t\n\r\n"])
+def test_blank_lines_between_and_behind_the_faces_of_a_text_ply_are_none(tmp_path, end):
+    content = ply_bytes("ascii", PLY_FACES).decode().replace("\n3 0 1 3", "\n\n \n3 0 1 3")
+    path = tmp_path / "mesh.ply"
+    path.write_text(content.rstrip() + end, newline="")
+    mesh_set = mesh_files.read_mesh(path)
+    assert mesh_set.current_mesh().face_matrix().tolist() == PLY_FACES
+
+
+@pytest.mark.parametrize("comment", ["comment 1 2 3\n", "# made by hand\n", "\nobj_info x"])
+def test_a_comment_behind_the_faces_of_a_text_ply_is_refused(outcome, comment):
+    # PyMeshLab does not look at it; but a PLY has comments in its header only.
+    result = outcome("ply", ply_bytes("ascii", PLY_FACES) + comment.encode())
+    assert_refused(result)
+    assert f"'{comment.split()[0]}' is no number" in result[1]
+
+
 def test_numbers_of_a_text_ply_may_be_written_in_any_way(tmp_path):
     content = ply_bytes("ascii", [[0, 1, 2]]).replace(b"\n3 0 1 2", b"\n+3 0\v1\f 002\r")
     content = content.replace(b" 1 0 0 0 1 0 0 0 1", b" 1e0 -0.E+2 .0 +0 1. 0 nan -INF Infinity")
