@@ -21,8 +21,10 @@ constexpr int kCutsPerWalk = 16;
 /// of them: that takes less time than the cuts.
 constexpr std::int64_t kFacesPerCut = 64;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
-/// off; where a balance was found it rarely took more than 100 times that many.
+/// off; where a balance was found it rarely took more than 100 times that many. Where many are off,
+/// each is to have two walks on top.
 constexpr std::int64_t kPatience = 100;
+constexpr std::int64_t kIdleWalks = 2;
 /// About a millisecond.
 constexpr int kCutsPerReport = 128;
 
@@ -45,9 +47,7 @@ public:
             list_if_off(l);
         }
         for (std::vector<int> round = take_off(); !round.empty(); round = take_off()) {
-            if (cuts_left_ <= 0 ||
-                idle_cuts_ * static_cast<std::int64_t>(round.size()) >
-                    kPatience * patchwork_.submesh_count()) {
+            if (cuts_left_ <= 0 || idle_cuts_ > patience(static_cast<std::int64_t>(round.size()))) {
                 return false;
             }
             if (kFacesPerCut * unmeasured_cuts_ >= patchwork_.face_count()) {
@@ -71,6 +71,12 @@ public:
     }
 
 private:
+    /// Cuts that may go by without progress.
+    std::int64_t patience(std::int64_t off_count) const {
+        return kPatience * patchwork_.submesh_count() / off_count +
+            kIdleWalks * kCutsPerWalk * off_count;
+    }
+
     void list_if_off(int label) {
         if (deviation(label) > 0 && !is_listed_[label]) {
             is_listed_[label] = 1;
