@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 import spheroseg
-from spheroseg import mesh_files
+from spheroseg import mesh_files, workers
 from spheroseg.render import render_labels, write_png
 
 SUBMESH_COUNT = 200
@@ -65,4 +65,4 @@ if __name__ == "__main__":
     try:
         main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))
     except spheroseg.PluginError as error:
-        sys.exit(f"python -m spheroseg.demo: {' '.join(str(error).split())}")
+        sys.exit(f"python -m spheroseg.demo: {workers.explained(error)}")

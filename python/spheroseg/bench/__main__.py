@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from spheroseg import PluginError, load_plugin
+from spheroseg import PluginError, load_plugin, workers
 from spheroseg.batch.jobs import plugin_digest
 from spheroseg.bench import document, meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
@@ -217,4 +217,4 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except PluginError as error:
-        sys.exit(f"python -m spheroseg.bench: {' '.join(str(error).split())}")
+        sys.exit(f"python -m spheroseg.bench: {workers.explained(error)}")
