@@ -692,7 +692,7 @@ def dask_cluster(folder: Path, *worker_arguments):
         wait_until(lambda: read_or_nothing(file))
 
         def start_worker():
-            running.enter_context(dask(*worker, *worker_arguments))
+            return running.enter_context(dask(*worker, *worker_arguments))
 
         yield json.loads(file.read_text())["address"], start_worker, process
 
@@ -746,6 +746,39 @@ def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on(
         f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
         f"start one: dask worker {address}\n"
     )
+
+
+def test_a_cluster_that_loses_all_workers_is_said_and_the_run_goes_on_with_another(
+    tmp_path, monkeypatch, capsys
+):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(runner, "_IDLE_SECONDS", 2)
+    write_mesh(tmp_path / "in" / "a.ply")
+    for name in ("b", "c"):
+        write_mesh(tmp_path / "in" / f"{name}.ply", levels=7)
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "-k", "20", "--effort", "high"]
+    complained = []
+    with (
+        futures.ThreadPoolExecutor() as pool,
+        dask_cluster(tmp_path) as (address, start_worker, _),
+    ):
+        lost = start_worker()
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=60)
+        code = pool.submit(main, [*arguments, "--scheduler", address])
+        wait_until(lambda: record_count(output) >= 1)
+        os.killpg(lost.pid, signal.SIGKILL)
+        for name in ("b", "c"):
+            write_mesh(tmp_path / "in" / f"{name}.ply")
+        wait_until(lambda: complained.append(capsys.readouterr().err) or any(complained))
+        start_worker()
+        assert code.result(60) == 0
+    assert "".join(complained) + capsys.readouterr().err == (
+        f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
+        f"start one: dask worker {address}\n"
+    )
+    assert [row["status"] for row in rows(output)] == ["done"] * 3
 
 
 def test_a_worker_that_takes_long_is_a_worker(tmp_path, monkeypatch, capsys):

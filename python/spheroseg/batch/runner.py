@@ -7,6 +7,7 @@ import errno
 import io
 import json
 import logging
+import math
 import secrets
 import shlex
 import signal
@@ -43,6 +44,7 @@ TIMINGS_NAME = "timings.csv"
 _LOCK_NAME = f"{RECORD_FOLDER}/.lock"
 _GRACE_SECONDS = 2
 _IDLE_SECONDS = 10
+_POLL_SECONDS = 0.05
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 
 # Measures of the manifest: all single values that are the same on every run.
@@ -207,7 +209,7 @@ def _end_running(submitted: list[futures.Future]) -> None:
 
 
 def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) -> Iterator[Record]:
-    from distributed import Client, as_completed
+    from distributed import Client
     from distributed.comm import get_address_host_port
 
     for name in ("distributed", "distributed.client"):  # has a level of its own
@@ -225,6 +227,12 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
 
         return run_job(Job(**job))
 
+    def on_idle() -> None:
+        on_hint(
+            f"the Dask scheduler at {scheduler} has no worker; the run goes on when you start one: "
+            f"dask worker {scheduler}"
+        )
+
     # Clients of one scheduler that ask for one key all get the result of the first.
     batch = secrets.token_hex(8)
     with client:
@@ -240,13 +248,8 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
             for job in jobs
         }
         try:
-            if not _has_worker(client, list(submitted)):
-                on_hint(
-                    f"the Dask scheduler at {scheduler} has no worker; the run goes on when you "
-                    f"start one: dask worker {scheduler}"
-                )
             results = _ResultsOfCluster()
-            for future in as_completed(submitted, loop=client.loop):
+            for future in _as_completed(client, list(submitted), on_idle):
                 job = submitted[future]
                 try:
                     # None for one that is cancelled, as all are without a scheduler; its result
@@ -266,18 +269,25 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
             client.cancel(list(submitted))
 
 
-def _has_worker(client, submitted: list) -> bool:
-    """False where some seconds bring no result and no worker is there."""
-    from distributed import wait
+def _as_completed(client, submitted: list, on_idle: Callable[[], None]) -> Iterator:
+    """The futures as they are done. `on_idle` is called, once until the next one is done, where
+    some seconds bring none and no worker is there."""
+    from distributed import as_completed
 
-    try:
-        with client.as_current():
-            wait(submitted, timeout=_IDLE_SECONDS, return_when="FIRST_COMPLETED")
-    except TimeoutError:
-        return bool(client.scheduler_info()["workers"])
-    except futures.CancelledError:  # without a scheduler
-        pass
-    return True
+    completed = as_completed(submitted, loop=client.loop)
+    idle_since = time.monotonic()
+    while not completed.is_empty():
+        if completed.has_ready():
+            yield next(completed)
+            idle_since = time.monotonic()
+            continue
+        time.sleep(_POLL_SECONDS)
+        if time.monotonic() - idle_since > _IDLE_SECONDS:
+            if client.scheduler_info()["workers"]:
+                idle_since = time.monotonic()
+            else:
+                on_idle()
+                idle_since = math.inf
 
 
 class _ResultsOfCluster:
