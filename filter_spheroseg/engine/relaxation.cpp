@@ -16,8 +16,6 @@ namespace spheroseg {
 
 namespace {
 
-/// Waves that several threads spread pay for a compare-and-swap at every face.
-constexpr int kFacesPerWorker = 4 * kFacesPerThread;
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
 
@@ -39,7 +37,7 @@ class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
-          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerWorker)),
+          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerThread)),
           centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
           offsets_(patchwork.submesh_count(), 0.0),
           neighbors_(neighbor_table(patchwork, thread_count)), labels_(cell_labels(patchwork)),

@@ -13,9 +13,10 @@ import sys
 from pathlib import Path
 
 # Read once, when OpenMP's runtime is loaded, which PyMeshLab does: it works where this package is
-# imported first. Threads that spin while they wait cost a busy machine several times the work
-# itself; on an idle one sleeping costs nothing that could be measured.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# imported first. Threads that spin for long while they wait cost a busy machine several times the
+# work itself; those that sleep at once are waked too often (docs/performance.md, "Busy machines").
+if os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive":
+    os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
 from spheroseg._plugin import load_plugin, plugin_path
 from spheroseg.api import (

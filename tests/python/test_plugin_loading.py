@@ -130,19 +130,32 @@ def imports_of_the_documents():
 @pytest.mark.parametrize("line", sorted({line for _, line in imports_of_the_documents()}))
 def test_imports_of_the_documents_come_before_openmp_reads_its_settings(line):
     # GNU's library, asked by OMP_DISPLAY_ENV, tells when it is loaded how long threads will spin.
-    environment = {"OMP_DISPLAY_ENV": "verbose", "OMP_WAIT_POLICY": ""}
-    told = run_python("-c", f"import os; del os.environ['OMP_WAIT_POLICY']; {line}", **environment)
+    unset = "import os; del os.environ['OMP_WAIT_POLICY'], os.environ['GOMP_SPINCOUNT']"
+    environment = {"OMP_DISPLAY_ENV": "verbose", "OMP_WAIT_POLICY": "", "GOMP_SPINCOUNT": ""}
+    told = run_python("-c", f"{unset}; {line}", **environment)
     assert told.returncode == 0
-    assert "GOMP_SPINCOUNT = '0'" in told.stderr
+    assert "OMP_WAIT_POLICY = 'PASSIVE'" in told.stderr
+    assert "GOMP_SPINCOUNT = '2000'" in told.stderr
 
 
 def test_documents_show_the_import():
     assert {name for name, _ in imports_of_the_documents()} >= {"README.md", "python.md"}
 
 
-def test_a_wait_policy_of_the_user_stays():
-    show = "import spheroseg, os; print(os.environ['OMP_WAIT_POLICY'])"
-    assert run_python("-c", show, OMP_WAIT_POLICY="active").stdout == "active\n"
+@pytest.mark.parametrize(
+    ("policy", "spins", "kept"),
+    [
+        ("active", None, "active None"),
+        ("passive", "7", "passive 7"),
+        ("PASSIVE", None, "PASSIVE 2000"),
+    ],
+)
+def test_a_wait_policy_of_the_user_stays(policy, spins, kept):
+    unset = "" if spins else "del os.environ['GOMP_SPINCOUNT'];"
+    show = "print(*map(os.environ.get, ('OMP_WAIT_POLICY', 'GOMP_SPINCOUNT')))"
+    line = f"import os; {unset} import spheroseg; {show}"
+    told = run_python("-c", line, OMP_WAIT_POLICY=policy, GOMP_SPINCOUNT=spins or "")
+    assert told.stdout == f"{kept}\n"
 
 
 def test_importing_twice_or_loading_again_changes_nothing():
