@@ -55,18 +55,17 @@ MeshModel& still_the_same(MeshDocument& document,
     return *model;
 }
 
-void add_sphere_layer(NewLayers& layers,
-                      MeshModel& model,
-                      const HostMesh& host,
-                      const std::vector<Vec3>& positions) {
+void add_sphere_layer(NewLayers& layers, MeshModel& model, const std::vector<Vec3>& positions) {
     // Not addNewMesh(mesh, ...): it would also switch on the unset vertex colours, and MeshLab
     // would show these instead of the face colours.
     MeshModel& layer = layers.add(layer_name(model, "(sphere)"));
     layer.cm = model.cm;
     layer.updateDataMask(&model);
     copy_texture_images(model, layer);
-    write_sphere_positions(layer.cm, host, positions);
-    move_vertices(layer.cm, host, positions);
+    // Copying leaves deleted elements out: the copy has indices of its own.
+    const HostMesh copied = read_mesh(layer.cm);
+    write_sphere_positions(layer.cm, copied, positions);
+    move_vertices(layer.cm, copied, positions);
 }
 
 } // namespace
@@ -257,7 +256,7 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
     MeshModel& model = still_the_same(document, mesh_id, host, prepared);
     NewLayers layers(document);
     if (parameters.getBool("new_layer")) {
-        add_sphere_layer(layers, model, host, positions);
+        add_sphere_layer(layers, model, positions);
     }
     write_sphere_positions(model.cm, host, positions);
     layers.keep();

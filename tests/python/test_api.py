@@ -16,7 +16,7 @@ import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
 from processes import run_python
-from shapes import bumpy_sphere
+from shapes import bumpy_sphere, subdivided_sphere
 
 import spheroseg
 from spheroseg import _plugin
@@ -399,6 +399,27 @@ def test_layers_are_named_after_the_mesh(cube, label, prefix):
     assert names == [label, f"{prefix}(sphere)", f"{prefix}0", f"{prefix}1"]
 
 
+@pytest.mark.parametrize("unreferenced_count", [1, 40])
+def test_sphere_layer_of_a_mesh_with_deleted_vertices(unreferenced_count):
+    vertices, faces = subdivided_sphere(2)
+    unreferenced = np.full((unreferenced_count, 3), 50.0)
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(
+        pymeshlab.Mesh(np.vstack([unreferenced, vertices]), faces + unreferenced_count)
+    )
+    # It deletes them, and PyMeshLab then refuses the mesh, but leaves it in the set.
+    with pytest.raises(pymeshlab.PyMeshLabException, match="Compactness"):
+        mesh_set.apply_coord_two_steps_smoothing()
+    mesh_set.compute_spherical_parametrization_per_vertex(new_layer=True)
+    layer = mesh_set.mesh(1)
+    assert layer.vertex_number() == len(vertices)
+    assert layer.face_matrix().tolist() == faces.tolist()
+    positions = layer.vertex_matrix()
+    assert np.allclose(np.linalg.norm(positions, axis=1), 1, atol=1e-6)
+    attribute = layer.vertex_custom_point_attribute_matrix("sphere_position")
+    assert np.array_equal(attribute, positions)
+
+
 FORK = """
 import os, signal, sys
 import numpy, spheroseg
@@ -433,7 +454,7 @@ def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, cod
 FORK_AFTER_THREADS = """
 import os, signal, sys
 import numpy, spheroseg
-from shapes import bumpy_sphere
+from shapes import bumpy_sphere, subdivided_sphere
 
 vertices, faces = bumpy_sphere(5, 0)  # 20,480 triangles: enough for two threads everywhere
 sphere = vertices, faces
