@@ -201,6 +201,15 @@ def test_of_several_seeds_the_time_is_the_median_of_all(tmp_path, monkeypatch):
     assert row["seed"] == 6
 
 
+def test_empty_submeshes_count_in_the_balance():
+    vertices, faces = api.TETRAHEDRON
+    outcome = Outcome(np.array([0, 0, 1, 1]), 0.0)
+    row = worker.judged(vertices, faces, build_dual_graph(faces), outcome, 3)
+    assert (row["min_submesh_triangles"], row["max_triangle_count_difference"]) == (0, 2)
+    assert row["coefficient_of_variation"] == pytest.approx(np.sqrt(0.5))
+    assert row["empty_submesh_count"] == 1
+
+
 def test_csv_and_json_agree(evaluation):
     with (evaluation / "out" / "results.csv").open(newline="") as stream:
         table = list(csv.DictReader(stream))

@@ -24,8 +24,6 @@ from spheroseg.evaluate.topology import anatomy
 MEMORY_REFUSED = "not enough memory"
 MEASURES = (
     "boundary_edge_count",
-    "max_triangle_count_difference",
-    "coefficient_of_variation",
     "bowtie_count",
     "disconnected_submesh_count",
     "disk_count",
@@ -70,7 +68,7 @@ def result(vertices, faces, graph: DualGraph, job: dict, k: int, method: str) ->
             if MEMORY_REFUSED in str(error):
                 raise
             return {"status": "left out", "error": workers.explained(error)}
-        runs.append((outcome, {"seed": seed} | _judged(vertices, faces, graph, outcome, k)))
+        runs.append((outcome, {"seed": seed} | judged(vertices, faces, graph, outcome, k)))
     runs.sort(key=lambda run: run[1]["boundary_edge_count"])
     outcome, measures = runs[(len(runs) - 1) // 2]
     file = f"{stem(job['name'], k, method)}.npy"
@@ -87,16 +85,20 @@ def result(vertices, faces, graph: DualGraph, job: dict, k: int, method: str) ->
     }
 
 
-def _judged(vertices, faces, graph: DualGraph, outcome: Outcome, k: int) -> dict:
+def judged(vertices, faces, graph: DualGraph, outcome: Outcome, k: int) -> dict:
+    """What the tables say of one result: k sub-meshes were asked for, and empty ones count."""
     measures = api.measure(vertices, faces, outcome.labels)
     parts = anatomy(faces, graph, outcome.labels, k)
+    counts = parts.triangle_counts
     bound = hexagonal_bound(len(faces), k)
     return {
         **{key: measures[key] for key in MEASURES},
         "boundary_edges_over_hexagonal": measures["boundary_edge_count"] / bound,
-        "min_submesh_triangles": int(parts.triangle_counts.min()),
-        "max_submesh_triangles": int(parts.triangle_counts.max()),
-        "empty_submesh_count": int(np.count_nonzero(parts.triangle_counts == 0)),
+        "min_submesh_triangles": int(counts.min()),
+        "max_submesh_triangles": int(counts.max()),
+        "max_triangle_count_difference": int(np.ptp(counts)),
+        "coefficient_of_variation": float(counts.std() / counts.mean()),
+        "empty_submesh_count": int(np.count_nonzero(counts == 0)),
         "shared_memory_bytes": parts.shared_memory_bytes,
     }
 
