@@ -98,7 +98,7 @@ TEST(Cancel, AtAnyCallOfEveryStepLeavesTheMeshUsable) {
         steps.insert(calls.steps.begin(), calls.steps.end());
         const std::vector<int> expected = segment(reference, trial.options).labels;
         // How many calls there are depends on which thread does what, where they share tasks.
-        EXPECT_GT(cancel_at_calls(trial, calls.count, 1, expected), 0.0);
+        EXPECT_GT(cancel_at_calls(trial, calls.count, 1 + calls.count / 80, expected), 0.0);
         trial.options.thread_count = 1;
         const int count = watch(trial, reference).count;
         EXPECT_EQ(cancel_at_calls(trial, count, 1 + count / 40, expected), 1.0);
