@@ -48,7 +48,7 @@ const char* const kParametrizationHelp =
     "<b>Writes</b> the place of each vertex on the sphere as per-vertex custom point attribute "
     "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation takes "
     "it where it needs a map: <i>all_pairs</i>, and <i>fast</i> with effort <i>high</i> from 50 "
-    "sub-meshes on. With <i>new_layer</i> a copy of the "
+    "sub-meshes on (not in the balance by weight). With <i>new_layer</i> a copy of the "
     "mesh with its vertices at these places is added.<br>"
     "<b>Returns</b> <i>flipped_triangle_count</i>, <i>min_triangle_area</i> (on the sphere), "
     "<i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the sphere over share of "

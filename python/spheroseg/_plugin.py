@@ -36,7 +36,7 @@ Segmentation Measures (SpheroSeg): measures the labels that face quality holds, 
 Returns the measures as a dictionary; see docs/measures.md.""",
     "generate_submesh_layers": """\
 Split into Sub-mesh Layers (SpheroSeg): one layer per sub-mesh, with the attributes
-'source_vertex' and 'source_face'.""",
+'source_vertex' and 'source_face'. Returns layer_count.""",
 }
 
 
