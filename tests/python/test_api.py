@@ -454,7 +454,7 @@ def test_a_forked_process_does_its_work_or_says_why_not(in_parent, in_child, cod
 FORK_AFTER_THREADS = """
 import os, signal, sys
 import numpy, spheroseg
-from shapes import bumpy_sphere, subdivided_sphere
+from shapes import bumpy_sphere
 
 vertices, faces = bumpy_sphere(5, 0)  # 20,480 triangles: enough for two threads everywhere
 sphere = vertices, faces
