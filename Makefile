@@ -107,11 +107,12 @@ test-plugin: setup
 	cmake --build build/plugin --parallel $(JOBS)
 	ctest --preset plugin
 
+# Most of these tests wait for processes: with pytest-xdist one module runs while another waits.
 test-python: test-plugin
-	$(PYTHON) -m pytest
+	$(PYTHON) -m pytest -n $(JOBS) --dist loadscope
 
 test-gui: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest tests/gui
+	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest -n $(JOBS) tests/gui
 
 # The screenshots of docs/meshlab.md; their originals stay in out/gui/docs.
 docs-pictures: gui-root plugin-gui plugin
