@@ -278,7 +278,7 @@ TEST(Fast, CancelAtAnyCallLeavesThePreparedMeshUsable) {
 }
 
 TEST(Fast, IterationLimitsHoldAndTheHistoryMatchesTheCounts) {
-    PreparedMesh prepared(displaced_sphere(4), 1);
+    PreparedMesh prepared(displaced_sphere(3), 1);
     const auto expect_history = [](const Segmentation& result) {
         const auto count =
             static_cast<std::size_t>(result.cohesion_iterations + result.refinement_iterations);
