@@ -6,13 +6,13 @@
 namespace spheroseg {
 
 /// Makes every sub-mesh edge-connected and free of bowties, whatever the labels (each in
-/// [0, submesh_count)): keeps of each sub-mesh what grows without a bowtie from its face that
-/// lies deepest, gives empty sub-meshes a face, and grows all of them over what is left. They close
-/// around limbs, holes and handles where they did before, if the patchwork allows that; where faces
-/// are left over otherwise, it is made to allow it.
-/// Loads are brought up to date; they may be far from balanced. Returns the number of faces that
-/// no sub-mesh could take without a bowtie; these got the label of a neighbour nevertheless, and
-/// the patchwork is marked (`may_be_unsound`) if there are any.
+/// [0, submesh_count)): frees all but the largest piece of each sub-mesh and all but its largest
+/// fan around each vertex, gives empty sub-meshes a face, and grows all of them over what is free.
+/// Where the patchwork does not allow rings around limbs, holes and handles, it keeps what grows
+/// without one from the deepest face of each sub-mesh; where faces are left over then, it is made
+/// to allow them. Loads are brought up to date; they may be far from balanced. Returns the number
+/// of faces that no sub-mesh could take without a bowtie; these got the label of a neighbour
+/// nevertheless, and the patchwork is marked (`may_be_unsound`) if there are any.
 int repair(Patchwork& patchwork);
 
 /// The same, but sub-meshes that are edge-connected and free of bowties already keep all their

@@ -10,7 +10,7 @@ namespace spheroseg {
 /// Makes labels that somebody else chose (each in [0, submesh_count) or -1: that of the nearest
 /// face that has one; on the finest level) a start for the refinement: every sub-mesh
 /// edge-connected and free of bowties, with a load between half and twice the mean as far as that
-/// is possible. Sound sub-meshes of such loads keep their faces. Of the others the deepest piece
+/// is possible. Sound sub-meshes of such loads keep their faces. Of the others the largest piece
 /// stays; those that are too light are dissolved, and those that are too heavy are parted by
 /// bisection, where the first part keeps the label and the others get the labels that became free.
 /// Loads are brought up to date. The patchwork is marked as by `repair` where that left a bowtie.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "repair.h"
 
+#include "boundary.h"
 #include "patchwork_meshes.h"
+#include "relaxation.h"
 
 #include <gtest/gtest.h>
 
@@ -102,6 +104,48 @@ TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
         ASSERT_EQ(measures_of(levels, patchwork).disk_count, 0);
         EXPECT_EQ(repair(patchwork), 0);
         EXPECT_EQ(levels.multilevel.labels(patchwork), labels);
+    }
+}
+
+TEST(Repair, ChangesOnlyWhatIsNotSound) {
+    const TriangleMesh mesh = open_grid(20);
+    const Levels levels(mesh);
+    std::vector<int> halves(mesh.face_count());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        halves[f] = 2 * f / mesh.face_count();
+    }
+    std::vector<int> labels = halves;
+    // Single faces in the midst of each half, and one that touches its own half at a vertex.
+    const std::vector<int> strays = {205, 371, 402, 640};
+    Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), 2);
+    for (int f : strays) {
+        labels[f] = 1 - labels[f];
+    }
+    levels.multilevel.set_labels(patchwork, labels);
+    ASSERT_FALSE(is_sound(measures_of(levels, patchwork)));
+    EXPECT_EQ(repair(patchwork), 0);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    const std::vector<int> repaired = levels.multilevel.labels(patchwork);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        if (std::find(strays.begin(), strays.end(), f) == strays.end()) {
+            EXPECT_EQ(repaired[f], halves[f]) << f;
+        }
+    }
+}
+
+TEST(Repair, KeepsBoundariesShortWhereAllIsHandles) {
+    const Levels levels(lattice(5));
+    for (int k : {2, 5, 20}) {
+        // On the coarsest level each face lies at a handle.
+        for (int face_count : {1, levels.mesh.face_count()}) {
+            Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
+            bisect(patchwork, k, 1, 1);
+            relax(patchwork, 30, 1, {});
+            const std::int64_t edges = count_boundary_edges(patchwork, 1);
+            repair(patchwork);
+            EXPECT_LE(count_boundary_edges(patchwork, 1), 1.3 * edges)
+                << k << " " << patchwork.face_count();
+        }
     }
 }
 

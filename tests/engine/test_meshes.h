@@ -4,6 +4,8 @@
 #include "random.h"
 #include "test_solids.h"
 
+#include <array>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -261,6 +263,73 @@ inline TriangleMesh stacked(int face_count, std::uint64_t seed) {
         mesh.faces.push_back({c, a, tip});
     }
     return mesh;
+}
+
+/// The surface of the unit cubes of a box for which `is_solid(x, y, z)` is true, two faces for each
+/// of its squares. Where cubes meet they must have a side in common, or be joined by one around the
+/// edge or corner where they meet.
+template <typename IsSolid> TriangleMesh surface_of_cubes(const Triangle& box, IsSolid is_solid) {
+    TriangleMesh mesh;
+    std::map<Triangle, int> vertices;
+    const auto vertex = [&](const Triangle& at) {
+        const auto [found, is_new] = vertices.try_emplace(at, mesh.vertex_count());
+        if (is_new) {
+            mesh.positions.push_back({1.0 * at[0], 1.0 * at[1], 1.0 * at[2]});
+        }
+        return found->second;
+    };
+    const auto is_filled = [&](const Triangle& at) {
+        for (int d = 0; d < 3; ++d) {
+            if (at[d] < 0 || at[d] >= box[d]) {
+                return false;
+            }
+        }
+        return static_cast<bool>(is_solid(at[0], at[1], at[2]));
+    };
+    const auto add_square = [&](Triangle at, int axis, bool is_outside) {
+        const int u = (axis + 1) % 3;
+        const int v = (axis + 2) % 3;
+        at[axis] += is_outside;
+        std::array<int, 4> corners;
+        for (int i = 0; i < 4; ++i) {
+            Triangle corner = at;
+            corner[u] += i == 1 || i == 2;
+            corner[v] += i >= 2;
+            corners[is_outside ? i : 3 - i] = vertex(corner);
+        }
+        mesh.faces.push_back({corners[0], corners[1], corners[2]});
+        mesh.faces.push_back({corners[0], corners[2], corners[3]});
+    };
+    for (int x = 0; x < box[0]; ++x) {
+        for (int y = 0; y < box[1]; ++y) {
+            for (int z = 0; z < box[2]; ++z) {
+                for (int axis = 0; axis < 3 && is_filled({x, y, z}); ++axis) {
+                    for (bool is_outside : {false, true}) {
+                        Triangle next = {x, y, z};
+                        next[axis] += is_outside ? 1 : -1;
+                        if (!is_filled(next)) {
+                            add_square({x, y, z}, axis, is_outside);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    return mesh;
+}
+
+/// A cubic grid of struts with `nodes` nodes along each axis. Of genus
+/// 3 nodes^2 (nodes - 1) - nodes^3 + 1: hardly anything but handles.
+inline TriangleMesh lattice(int nodes) {
+    const int side = 2 * nodes - 1;
+    return surface_of_cubes({side, side, side},
+                            [](int x, int y, int z) { return x % 2 + y % 2 + z % 2 <= 1; });
+}
+
+/// A bar with teeth of `height` cubes, two wide and two apart. Of genus 0.
+inline TriangleMesh comb(int teeth, int height) {
+    return surface_of_cubes({4 * teeth - 2, height + 2, 2},
+                            [](int x, int y, int) { return y < 2 || x % 4 < 2; });
 }
 
 /// How a mesh is made. As the parameter of a test it costs nothing in the processes of other tests.
