@@ -12,8 +12,11 @@ namespace {
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
 constexpr int kCoarseFacesPerSubmesh = 60;
-/// ... and at least so many in all, if there is such a level.
+/// ... and at least so many in all, and so many for each face of the coarsest level, if there is
+/// such a level. Where that has many faces, all of them are around handles, and hardly a sub-mesh
+/// fits in between.
 constexpr int kMinCoarseFaces = 240;
+constexpr std::int64_t kFacesPerCoarsest = 2;
 /// Faces from which on a sub-mesh is not small.
 constexpr int kSmallSubmesh = 86;
 /// On a first level that has fewer than one of so many faces there is time for more relaxations, up
@@ -42,15 +45,18 @@ FastPlan::FastPlan(int face_count, int submesh_count, Effort effort, int thread_
 int FastPlan::coarse_face_count() const {
     return static_cast<int>(std::min<std::int64_t>(
         face_count_,
-        std::max<std::int64_t>(kMinCoarseFaces,
-                               std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_)));
+        std::max<std::int64_t>({kMinCoarseFaces,
+                                kFacesPerCoarsest * coarsest_face_count_,
+                                std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_})));
 }
 
 bool FastPlan::coarsens() const {
     return coarse_face_count() < MeshLevels::kLeastShare * face_count_;
 }
 
-void FastPlan::set_first_level(int cell_count) {
+void FastPlan::set_levels(const Multilevel& multilevel) {
+    coarsest_face_count_ = multilevel.level_count() > 1 ? multilevel.cell_count(1) : 0;
+    const int cell_count = multilevel.cell_count(coarse_face_count());
     first_face_count_ =
         std::max(coarse_face_count(), static_cast<int>(MeshLevels::kLeastShare * cell_count));
 }

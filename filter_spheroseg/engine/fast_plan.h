@@ -34,8 +34,8 @@ public:
     /// Is the mesh large enough for its sub-meshes to be started on a coarser one?
     bool coarsens() const;
 
-    /// Takes note of how many cells the first level has in fact.
-    void set_first_level(int cell_count);
+    /// Takes note of the levels that there are in fact.
+    void set_levels(const Multilevel& multilevel);
 
     /// Iterations of Lloyd's relaxation of a single start; more where the first level is so coarse
     /// that they take little of the time.
@@ -55,6 +55,8 @@ private:
     int face_count_;
     int submesh_count_;
     Schedules schedules_;
+    /// 0 where there is only one level.
+    int coarsest_face_count_ = 0;
     /// The least cells that the first level may have. As `coarse_face_count`; more where there is
     /// no level so coarse.
     int first_face_count_;

@@ -149,7 +149,7 @@ private:
         }
         multilevel_ = plan_.coarsens() ? &component_.multilevel(options_.thread_count, progress)
                                        : &component_.finest_level(options_.thread_count);
-        plan_.set_first_level(multilevel_->cell_count(plan_.coarse_face_count()));
+        plan_.set_levels(*multilevel_);
         if (by_weight()) {
             weighted_.emplace(
                 multilevel_->with_weights(quantized_weights(task_.weights, submesh_count_)));
