@@ -124,28 +124,36 @@ bool Branches::close_vertex(int face, int corner, int from, int to) {
     return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
 }
 
-/// Adds all parts of what is left but the largest.
+/// Adds all parts of what is left but the largest. They are searched side by side, as long as they
+/// are small: the last one, which is the largest, or nearly so, need not be walked through.
 bool Branches::close_parts(int from, int to, std::size_t max_faces) {
-    largest_part_.clear();
-    std::vector<int> seen;
-    std::vector<int> small;
-    for (std::size_t i = 0; i < branch_.size(); ++i) {
-        for (int neighbor : patchwork_.neighbors(branch_[i])) {
-            if (neighbor < 0 || seen_[neighbor] || patchwork_.label(neighbor) != from) {
-                continue;
+    begin_searches(from);
+    const std::size_t room = max_faces - std::min(max_faces, branch_.size());
+    const auto is_open = [](const Search& search) { return search.head < search.open.size(); };
+    auto open_count = static_cast<int>(searches_.size());
+    for (bool any_goes_on = true; open_count > 1 && any_goes_on;) {
+        any_goes_on = false;
+        for (std::size_t i = 0; i < searches_.size() && open_count > 1; ++i) {
+            if (is_open(searches_[i]) && searches_[i].faces.size() <= room) {
+                go_on(static_cast<int>(i), from);
+                open_count =
+                    static_cast<int>(std::count_if(searches_.begin(), searches_.end(), is_open));
+                any_goes_on = true;
             }
-            list_part(neighbor, from, part_);
-            seen.insert(seen.end(), part_.begin(), part_.end());
-            if (part_.size() > largest_part_.size()) {
-                part_.swap(largest_part_);
-            }
-            small.insert(small.end(), part_.begin(), part_.end());
         }
     }
-    for (int f : seen) {
-        seen_[f] = 0;
+    std::vector<int>& small = part_;
+    small.clear();
+    for (Search& search : searches_) {
+        for (int face : search.faces) {
+            search_of_[face] = kNone;
+        }
+        work_ += static_cast<std::int64_t>(search.faces.size());
+        if (!is_open(search)) {
+            small.insert(small.end(), search.faces.begin(), search.faces.end());
+        }
     }
-    if (largest_part_.empty() || branch_.size() + small.size() > max_faces) {
+    if (open_count != 1 || small.size() > room) {
         return false;
     }
     for (int f : small) {
@@ -154,18 +162,48 @@ bool Branches::close_parts(int from, int to, std::size_t max_faces) {
     return true;
 }
 
-void Branches::list_part(int start, int from, std::vector<int>& part) {
-    part.assign(1, start);
-    seen_[start] = 1;
-    for (std::size_t head = 0; head < part.size(); ++head) {
-        for (int neighbor : patchwork_.neighbors(part[head])) {
-            if (neighbor >= 0 && !seen_[neighbor] && patchwork_.label(neighbor) == from) {
-                seen_[neighbor] = 1;
-                part.push_back(neighbor);
+/// From each face of sub-mesh `from` beside the branch.
+void Branches::begin_searches(int from) {
+    searches_.clear();
+    for (int face : branch_) {
+        for (int neighbor : patchwork_.neighbors(face)) {
+            if (neighbor >= 0 && patchwork_.label(neighbor) == from &&
+                search_of_[neighbor] == kNone) {
+                search_of_[neighbor] = static_cast<int>(searches_.size());
+                searches_.push_back({{neighbor}, {neighbor}, 0, search_of_[neighbor]});
             }
         }
     }
-    work_ += static_cast<std::int64_t>(part.size());
+}
+
+/// Takes a step of a search, and unites it with those that it meets.
+void Branches::go_on(int number, int from) {
+    Search& search = searches_[number];
+    const int face = search.open[search.head++];
+    for (int neighbor : patchwork_.neighbors(face)) {
+        if (neighbor < 0 || patchwork_.label(neighbor) != from) {
+            continue;
+        }
+        if (search_of_[neighbor] == kNone) {
+            search_of_[neighbor] = number;
+            search.faces.push_back(neighbor);
+            search.open.push_back(neighbor);
+        } else if (const int other = root_of(search_of_[neighbor]); other != number) {
+            Search& met = searches_[other];
+            search.faces.insert(search.faces.end(), met.faces.begin(), met.faces.end());
+            search.open.insert(search.open.end(),
+                               met.open.begin() + static_cast<std::ptrdiff_t>(met.head),
+                               met.open.end());
+            met = {{}, {}, 0, number};
+        }
+    }
+}
+
+int Branches::root_of(int search) const {
+    while (searches_[search].into != search) {
+        search = searches_[search].into;
+    }
+    return search;
 }
 
 } // namespace spheroseg

@@ -12,11 +12,11 @@ namespace spheroseg {
 class Branches {
 public:
     explicit Branches(Patchwork& patchwork)
-        : patchwork_(patchwork), seen_(patchwork.cells.size(), 0) {}
+        : patchwork_(patchwork), search_of_(patchwork.cells.size(), kNone) {}
 
     /// The face, which has an edge to sub-mesh `to`, and the fewest faces of its sub-mesh that were
     /// found to have to go with it so that both stay connected and free of bowties. Empty when
-    /// that would be more than `max_faces`. O(faces of the sub-mesh).
+    /// that would be more than `max_faces`; looks at no more than some times as many.
     const std::vector<int>& find(int face, int to, int max_faces);
 
     /// Faces looked at so far.
@@ -27,14 +27,29 @@ private:
     bool close_vertex(int face, int corner, int from, int to);
     bool close_parts(int from, int to, std::size_t max_faces);
     void add(int face, int to);
-    void list_part(int start, int from, std::vector<int>& part);
+    void begin_searches(int from);
+    void go_on(int number, int from);
+    int root_of(int search) const;
+
+    static constexpr int kNone = -1;
+
+    /// For a part of what is left of a sub-mesh.
+    struct Search {
+        std::vector<int> faces;
+        /// From `head` on, those whose neighbours were not looked at; none are left once the part
+        /// is known.
+        std::vector<int> open;
+        std::size_t head;
+        /// The search that goes on with it; itself as long as it goes on.
+        int into;
+    };
 
     Patchwork& patchwork_;
-    std::vector<std::uint8_t> seen_;
+    std::vector<int> search_of_;
+    std::vector<Search> searches_;
     std::vector<int> branch_;
     std::vector<int> around_;
     std::vector<int> part_;
-    std::vector<int> largest_part_;
     std::int64_t work_ = 0;
 };
 

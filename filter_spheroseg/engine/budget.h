@@ -18,6 +18,8 @@ struct Budget {
     /// trials together may have on the first level.
     double trial_share;
     int trial_faces;
+    /// Proposals of branches per boundary face, where they are needed.
+    double branch_proposals;
     /// Exchanges per boundary face at exact balance; instead where sub-meshes are small.
     double exchange_proposals;
     double small_exchange_proposals;
@@ -34,6 +36,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 38.0;
         budget.small_first_proposals = 30.0;
         budget.level_proposals = 25.0;
+        budget.branch_proposals = 50.0;
         budget.trial_share = 0.5;
         budget.trial_faces = 4000;
         budget.exchange_proposals = 20.0;
@@ -46,6 +49,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 90.0;
         budget.small_first_proposals = 62.0;
         budget.level_proposals = 52.0;
+        budget.branch_proposals = 100.0;
         budget.trial_share = 0.5;
         budget.trial_faces = 6000;
         budget.exchange_proposals = 35.0;
@@ -58,6 +62,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 4000.0;
         budget.small_first_proposals = 2500.0;
         budget.level_proposals = 1500.0;
+        budget.branch_proposals = 400.0;
         budget.trial_share = 0.1;
         budget.trial_faces = 6000;
         budget.exchange_proposals = 1000.0;

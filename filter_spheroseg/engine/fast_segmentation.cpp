@@ -5,6 +5,7 @@
 #include "best_result.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "branch_annealing.h"
 #include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
@@ -44,6 +45,8 @@ constexpr int kLargeSubmesh = 30;
 /// an n-th of that. Where that found a balance it rarely took more. Without any left there are no
 /// further tries.
 constexpr std::int64_t kMostCuts = 250;
+/// Starts that pass whole branches where annealing is stuck; it takes long.
+constexpr int kStartsWithBranches = 2;
 /// Starts of which `high` keeps the best result.
 constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
@@ -179,6 +182,7 @@ private:
         seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
         history_ = {};
         cuts_left_ = kMostCuts * submesh_count_ / (start + 1);
+        start_ = start;
         is_warm_ = start == 0 && !task_.initial_labels.empty();
     }
 
@@ -376,6 +380,10 @@ private:
     bool balance(Patchwork& patchwork) {
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
+        if (start_ < kStartsWithBranches && is_stuck(patchwork)) {
+            anneal_branches(
+                patchwork, plan_.schedules().branches(patchwork, seed_ + 3000), &limit(), progress);
+        }
         const bool is_large =
             patchwork.face_count() >= kLargeMesh && mean_load(patchwork) >= kLargeSubmesh;
         const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
@@ -441,6 +449,7 @@ private:
     std::optional<BestResult> best_;
     /// Of the running start.
     History history_;
+    int start_ = 0;
     std::uint64_t seed_ = 0;
     bool is_warm_ = false;
     bool is_hurried_ = false;

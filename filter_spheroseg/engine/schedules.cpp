@@ -92,6 +92,18 @@ AnnealSchedule Schedules::shaking(std::uint64_t seed) const {
     return schedule;
 }
 
+AnnealSchedule Schedules::branches(const Patchwork& patchwork, std::uint64_t seed) const {
+    AnnealSchedule schedule;
+    schedule.seed = seed;
+    schedule.temperature_begin = 0.3;
+    schedule.temperature_end = 0.1;
+    set_balance(schedule, patchwork, 10.0, 0.0);
+    schedule.balance_weight_end = 1.0;
+    schedule.proposals_per_face = share * budget.branch_proposals;
+    schedule.phase_count = budget.level_phases;
+    return schedule;
+}
+
 double hexagonal_edges(double face_count, int submesh_count) {
     return std::sqrt(1.5 * face_count * submesh_count);
 }

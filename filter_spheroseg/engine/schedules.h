@@ -32,6 +32,8 @@ struct Schedules {
     AnnealSchedule next(const AnnealSchedule& schedule) const;
     /// At exact balance, or below a limit.
     AnnealSchedule exchanges(const Patchwork& patchwork, std::uint64_t seed) const;
+    /// Of branches, where the annealing of single faces and fans is stuck off balance.
+    AnnealSchedule branches(const Patchwork& patchwork, std::uint64_t seed) const;
     /// Shakes boundaries with a strong pull towards balance.
     AnnealSchedule shaking(std::uint64_t seed) const;
 
@@ -52,9 +54,9 @@ void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double be
 void uncoarsen(Patchwork& patchwork, const Multilevel& multilevel, int thread_count);
 
 /// Anneals a patchwork on its level by `schedule`, and then on all finer ones up to the first with
-/// at least `face_count` cells. `control_of(begin, end)` gives the control on a level that takes
-/// this part of the time, where levels of up to `done_faces` cells were annealed before. Returns
-/// the last schedule.
+/// at least `face_count` cells, where the balance weighs `last_balance` in the end (10 on the
+/// finest one). `control_of(begin, end)` gives the control on a level that takes this part of the
+/// time, where levels of up to `done_faces` cells were annealed before. Returns the last schedule.
 template <typename ControlOf>
 AnnealSchedule anneal_levels(Patchwork& patchwork,
                              const Multilevel& multilevel,
@@ -62,7 +64,8 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
                              AnnealSchedule schedule,
                              int face_count,
                              const ControlOf& control_of,
-                             int done_faces = 0) {
+                             int done_faces = 0,
+                             double last_balance = 1.5) {
     // Boundaries and times grow with the square root of the number of cells.
     const double done = std::sqrt(done_faces);
     const double all = std::sqrt(std::min(face_count, multilevel.face_count()));
@@ -75,7 +78,7 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
         if (is_finest) {
             schedule.temperature_end = 0.1;
         }
-        set_balance(schedule, patchwork, 0.5, is_finest ? 10.0 : 1.5);
+        set_balance(schedule, patchwork, 0.5, is_finest ? 10.0 : is_last ? last_balance : 1.5);
         anneal(patchwork, schedule, control_of(begin, end));
         if (is_last) {
             return schedule;
@@ -94,12 +97,13 @@ AnnealSchedule anneal_further_levels(Patchwork& patchwork,
                                      const Schedules& schedules,
                                      const AnnealSchedule& schedule,
                                      int face_count,
-                                     const ControlOf& control_of) {
+                                     const ControlOf& control_of,
+                                     double last_balance = 1.5) {
     const int done_faces = patchwork.face_count();
     const AnnealSchedule next = schedules.next(schedule);
     uncoarsen(patchwork, multilevel, next.thread_count);
     return anneal_levels(
-        patchwork, multilevel, schedules, next, face_count, control_of, done_faces);
+        patchwork, multilevel, schedules, next, face_count, control_of, done_faces, last_balance);
 }
 
 } // namespace spheroseg

@@ -3,6 +3,7 @@
 
 #include "bisection.h"
 #include "boundary.h"
+#include "branch_annealing.h"
 #include "free_annealing.h"
 #include "parallel_tasks.h"
 #include "relaxation.h"
@@ -26,6 +27,9 @@ constexpr int kTrialFaces = 4000;
 constexpr std::ptrdiff_t kFinalists = 2;
 constexpr int kFinalFaces = 16000;
 constexpr double kMuchWorse = 1.15;
+/// A trial is judged by its boundaries where it is about balanced: with narrow limbs that may cost
+/// much.
+constexpr double kJudgedBalance = 10.0;
 /// Free annealing begins so hot, with so many times the proposals, that the layout melts.
 constexpr double kMelting = 1.0;
 constexpr double kMeltingProposals = 2.0;
@@ -145,7 +149,10 @@ private:
                           short_schedules_,
                           short_schedules_.first(seed),
                           kTrialFaces,
-                          parts_of(kind % 2 == 1 ? part_of(control, kBegun, 1.0) : control));
+                          parts_of(kind % 2 == 1 ? part_of(control, kBegun, 1.0) : control),
+                          0,
+                          kJudgedBalance);
+        pass_branches(trial, short_schedules_, control);
     }
 
     void cut_again_and_again(Patchwork& patchwork,
@@ -202,7 +209,19 @@ private:
                                                schedules_,
                                                trial.schedule,
                                                kFinalFaces,
-                                               parts_of(control));
+                                               parts_of(control),
+                                               kJudgedBalance);
+        pass_branches(trial, schedules_, control);
+    }
+
+    void
+    pass_branches(Trial& trial, const Schedules& schedules, const AnnealControl& control) const {
+        if (is_stuck(trial.patchwork)) {
+            anneal_branches(trial.patchwork,
+                            schedules.branches(trial.patchwork, trial.schedule.seed),
+                            control.deadline,
+                            part_of(control, 1.0, 1.0).progress);
+        }
     }
 
     const Multilevel& multilevel_;

@@ -31,17 +31,17 @@ int cell_of(const Levels& levels, const Patchwork& patchwork, int face) {
     return static_cast<int>(at - named.cells.begin());
 }
 
-/// A flat row of eight faces, and one more hanging on the third.
-TriangleMesh row_with_a_tail() {
+/// A flat row of eight faces or more, and one hanging on the third.
+TriangleMesh row_with_a_tail(int face_count = 8) {
     TriangleMesh mesh;
-    for (int v = 0; v < 10; ++v) {
+    for (int v = 0; v < face_count + 2; ++v) {
         mesh.positions.push_back({1.0 * v, 1.0 * (v % 2), 0.0});
     }
-    for (int f = 0; f < 8; ++f) {
+    for (int f = 0; f < face_count; ++f) {
         mesh.faces.push_back(f % 2 == 0 ? Triangle{f, f + 1, f + 2} : Triangle{f + 1, f, f + 2});
     }
     mesh.positions.push_back({3.0, -1.0, 0.0});
-    mesh.faces.push_back({2, 4, 10});
+    mesh.faces.push_back({2, 4, face_count + 2});
     return mesh;
 }
 
@@ -59,6 +59,17 @@ TEST(Branches, WhatHangsOnAFaceGoesWithIt) {
     EXPECT_EQ(branch, expected);
     EXPECT_TRUE(branches.find(cell(2), 0, 1).empty());
     EXPECT_EQ(cell_labels(work), cell_labels(patchwork));
+}
+
+TEST(Branches, DoNotWalkThroughALargeSubmesh) {
+    constexpr int kLength = 5000;
+    const Levels levels(row_with_a_tail(kLength));
+    std::vector<int> labels(kLength + 1, 1);
+    labels[0] = labels[1] = 0;
+    Patchwork patchwork = labelled(levels, labels, 2);
+    Branches branches(patchwork);
+    EXPECT_EQ(branches.find(cell_of(levels, patchwork, 2), 0, 8).size(), 2);
+    EXPECT_LT(branches.work(), 200);
 }
 
 TEST(Branches, TheLastFaceOfASubmeshStays) {
