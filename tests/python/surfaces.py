@@ -117,6 +117,36 @@ def double_torus() -> Arrays:
     return np.concatenate((vertices, other)), joined.astype(np.int32)
 
 
+def surface_of_cubes(solid: np.ndarray) -> Arrays:
+    """Of unit cubes, where `solid` (X x Y x Z, bool) is true. Two triangles per square."""
+    padded = np.pad(solid, 1)
+    squares = []
+    for axis in range(3):
+        for side in (0, 1):
+            beyond = np.roll(padded, 1 - 2 * side, axis)
+            corner = np.argwhere(padded & ~beyond) - 1
+            corner[:, axis] += side
+            u, v = np.roll(np.eye(3, dtype=int), -axis - 1, axis=0)[:2]
+            around = (0 * u, u, u + v, v) if side else (0 * u, v, u + v, u)
+            squares.append(np.stack([corner + step for step in around], axis=1))
+    vertices, index = np.unique(np.concatenate(squares).reshape(-1, 3), axis=0, return_inverse=True)
+    a, b, c, d = index.reshape(-1, 4).T
+    faces = np.column_stack((a, b, c, a, c, d)).reshape(-1, 3).astype(np.int32)
+    return vertices.astype(float), faces
+
+
+def lattice(nodes: int = 4) -> Arrays:
+    """A cubic grid of struts, of genus 3 nodes^2 (nodes - 1) - nodes^3 + 1: mostly handles."""
+    odd = np.indices(3 * (2 * nodes - 1,)) % 2
+    return surface_of_cubes(odd.sum(axis=0) <= 1)
+
+
+def comb(teeth: int = 20, height: int = 14) -> Arrays:
+    """A bar with teeth that are two cubes wide and two apart."""
+    x, y, _ = np.indices((4 * teeth - 2, height + 2, 2))
+    return surface_of_cubes((y < 2) | (x % 4 < 2))
+
+
 def globe(columns: int, rows: int) -> Arrays:
     """A sphere by longitude and latitude: 2 * columns * (rows - 1) triangles, poles of valence
     `columns`."""
@@ -323,6 +353,8 @@ SURFACES: dict[str, Surface] = {
     "touching discs": Surface(touching_discs, euler=1, border_loops=6, components=6, pinches=5),
     "open fan of 500": Surface(open_fan, euler=1, border_loops=1),
     "globe with poles of 500": Surface(lambda: globe(500, 4), euler=2),
+    "comb": Surface(comb, euler=2),
+    "lattice": Surface(lattice, euler=-160),
     "slivers": Surface(slivers, euler=2),
     "needle": Surface(needle, euler=0, border_loops=2),
     "loose vertices": Surface(lambda: with_loose_vertices(torus(40, 16)), euler=0),
