@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace spheroseg {
@@ -67,13 +68,15 @@ int choose_target(
         return !on_border ||
             ((is_cap(t) || is_cap(t - 1)) && can_vanish(t, t + 1) && can_vanish(t - 1, t - 2));
     };
-    std::array<int, 3> last = {-1, -1, -1};
+    // By degree, weight, number.
+    using Rank = std::pair<std::int64_t, int>;
+    Rank last = {-1, -1};
     for (int attempt = 0; attempt < degree; ++attempt) {
         int best = -1;
-        std::array<int, 3> best_rank{};
+        Rank best_rank;
         for (int j = 0; j < degree; ++j) {
             const CollapseMesh::Vertex& r = mesh.vertices[ring[j]];
-            const std::array<int, 3> rank = {r.degree, r.weight, ring[j]};
+            const Rank rank = {static_cast<std::int64_t>(r.degree) << 32 | r.weight, ring[j]};
             if (rank > last && (best < 0 || rank < best_rank)) {
                 best = j;
                 best_rank = rank;
@@ -253,6 +256,57 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     per_item(vertex_count, [&](int v) { is_fixed[v] = !has_closed_fan(*this, v); });
 }
 
+void CollapseMesh::keep(const std::vector<int>& live_faces,
+                        const std::vector<int>& live_vertices,
+                        int thread_count) {
+    const auto kept_faces = static_cast<int>(live_faces.size());
+    const auto kept_vertices = static_cast<int>(live_vertices.size());
+    const auto per_item = [thread_count](int items, const auto& work) {
+        for_each_item(items, threads_for(thread_count, items, kFacesPerThread), work);
+    };
+    std::vector<int> new_face(faces.size());
+    std::vector<int> new_vertex(vertices.size());
+    per_item(kept_faces, [&](int i) { new_face[live_faces[i]] = i; });
+    per_item(kept_vertices, [&](int i) { new_vertex[live_vertices[i]] = i; });
+
+    std::vector<Face> old_faces(kept_faces);
+    std::vector<int> names(kept_faces);
+    old_faces.swap(faces);
+    per_item(kept_faces, [&](int i) {
+        Face& face = faces[i] = old_faces[live_faces[i]];
+        for (int& v : face.vertices) {
+            v = new_vertex[v];
+        }
+        for (int& f : face.neighbors) {
+            f = f < 0 ? f : new_face[f];
+        }
+        names[i] = face_name(live_faces[i]);
+    });
+    face_names.swap(names);
+
+    std::vector<Vertex> old_vertices(kept_vertices);
+    std::vector<char> was_fixed(kept_vertices);
+    names.resize(kept_vertices);
+    old_vertices.swap(vertices);
+    was_fixed.swap(is_fixed);
+    per_item(kept_vertices, [&](int i) {
+        Vertex& vertex = vertices[i] = old_vertices[live_vertices[i]];
+        while (old_faces[vertex.face].heir >= 0) {
+            vertex.face = old_faces[vertex.face].heir;
+        }
+        vertex.face = new_face[vertex.face];
+        is_fixed[i] = was_fixed[live_vertices[i]];
+        names[i] = vertex_name(live_vertices[i]);
+    });
+    vertex_names.swap(names);
+
+    const auto count_below = [](const std::vector<int>& items, int end) {
+        return static_cast<int>(std::lower_bound(items.begin(), items.end(), end) - items.begin());
+    };
+    first_cap_face = count_below(live_faces, first_cap_face);
+    first_cap_vertex = count_below(live_vertices, first_cap_vertex);
+}
+
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,
@@ -262,14 +316,16 @@ void plan_collapses(CollapseMesh& mesh,
     round.target.resize(count);
     round.star_begin.resize(count + 1);
     round.star_begin[0] = 0;
-    for (int i = 0; i < count; ++i) {
-        mesh.vertices[round.vertex[i]].slot = i;
-        round.star_begin[i + 1] = round.star_begin[i] + mesh.vertices[round.vertex[i]].degree;
-    }
+    const int threads = threads_for(thread_count, count, kStarsPerThread);
+    for_each_item(count, threads, [&](int i) {
+        CollapseMesh::Vertex& vertex = mesh.vertices[round.vertex[i]];
+        vertex.slot = i;
+        round.star_begin[i + 1] = vertex.degree;
+    });
+    std::partial_sum(round.star_begin.begin(), round.star_begin.end(), round.star_begin.begin());
     round.ring_vertices.resize(round.star_begin[count]);
     round.star_faces.resize(round.star_begin[count]);
     std::vector<char> loses(count);
-    const int threads = threads_for(thread_count, count, kStarsPerThread);
     for_each_item(count, threads, [&](int i) { plan_star(mesh, round, may_close_holes, i); });
     for_each_item(count, threads, [&](int i) { loses[i] = loses_conflict(mesh, round, keys, i); });
     for_each_item(count, threads, [&](int i) {

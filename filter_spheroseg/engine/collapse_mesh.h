@@ -33,11 +33,23 @@ struct CollapseMesh {
     /// Vertices without one closed fan of at least three faces that are oriented alike: never
     /// removed, never a target.
     std::vector<char> is_fixed;
-    /// The first vertex and the first face of caps: the numbers of those of the input.
+    /// The first vertex and the first face of caps.
     int first_cap_vertex;
     int first_cap_face;
+    /// The numbers that they had at first, increasing; empty: these.
+    std::vector<int> face_names;
+    std::vector<int> vertex_names;
 
     CollapseMesh(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count);
+
+    int face_name(int f) const { return face_names.empty() ? f : face_names[f]; }
+    int vertex_name(int v) const { return vertex_names.empty() ? v : vertex_names[v]; }
+
+    /// Keeps only these faces and vertices, the live ones, in increasing order, and numbers them
+    /// anew: far apart in memory, they fill caches with what is gone.
+    void keep(const std::vector<int>& live_faces,
+              const std::vector<int>& live_vertices,
+              int thread_count);
 
     int corner_of(int face, int vertex) const {
         return spheroseg::corner_of(faces[face].vertices, vertex);

@@ -17,6 +17,8 @@ namespace {
 /// Vertices or faces of a round that a thread should have.
 constexpr int kItemsPerThread = 2048;
 constexpr int kSelectionPasses = 2;
+/// Faces that fit in a cache wherever they lie.
+constexpr std::size_t kLeastToMove = 8192;
 /// Holes may close where there are fewer faces for each face of a cap.
 constexpr int kFacesPerCapFace = 40;
 
@@ -69,6 +71,10 @@ private:
     void select_vertices();
     int append_round();
     void drop_removed();
+    void close_ranks();
+    int threads_for_items(const std::vector<int>& items) const {
+        return threads_for(threads_, static_cast<std::int64_t>(items.size()), kItemsPerThread);
+    }
     bool has_many_holes() const;
     void collect_base();
 
@@ -110,7 +116,7 @@ bool Builder::rank_vertices(const Limits& limits) {
             complete.store(false, std::memory_order_relaxed);
         }
         const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
-        keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(v) ^ salt);
+        keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(mesh_.vertex_name(v)) ^ salt);
     });
     return complete;
 }
@@ -170,17 +176,14 @@ void Builder::cover_neighbors() {
 
 /// Puts an independent set of vertices into the round.
 void Builder::select_vertices() {
-    round_.vertex.clear();
     for (int pass = 0; pass < kSelectionPasses; ++pass) {
         mark_losers();
         select_winners();
         cover_neighbors();
     }
-    for (int v : alive_) {
-        if (states_[v] == kSelected) {
-            round_.vertex.push_back(v);
-        }
-    }
+    round_.vertex = alive_;
+    keep_items(
+        round_.vertex, threads_for_items(alive_), [&](int v) { return states_[v] == kSelected; });
 }
 
 /// Appends the round's collapses to the result; returns how many there are.
@@ -191,8 +194,8 @@ int Builder::append_round() {
     for (int i = 0; i < count; ++i) {
         if (round_.target[i] >= 0) {
             step_of[i] = result_.step_count();
-            result_.vertex.push_back(round_.vertex[i]);
-            result_.target.push_back(round_.target[i]);
+            result_.vertex.push_back(mesh_.vertex_name(round_.vertex[i]));
+            result_.target.push_back(mesh_.vertex_name(round_.target[i]));
             result_.star_begin.push_back(result_.star_begin.back() + round_.star_begin[i + 1] -
                                          round_.star_begin[i]);
         }
@@ -201,11 +204,11 @@ int Builder::append_round() {
     result_.star_faces.resize(result_.star_begin.back());
     for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         if (step_of[i] >= 0) {
-            const int from = round_.star_begin[i];
-            const int degree = round_.star_begin[i + 1] - from;
-            const int to = result_.star_begin[step_of[i]];
-            std::copy_n(&round_.ring_vertices[from], degree, &result_.ring_vertices[to]);
-            std::copy_n(&round_.star_faces[from], degree, &result_.star_faces[to]);
+            int to = result_.star_begin[step_of[i]];
+            for (int j = round_.star_begin[i]; j < round_.star_begin[i + 1]; ++j, ++to) {
+                result_.ring_vertices[to] = mesh_.vertex_name(round_.ring_vertices[j]);
+                result_.star_faces[to] = mesh_.face_name(round_.star_faces[j]);
+            }
             mesh_.vertices[round_.vertex[i]].degree = 0;
         }
     });
@@ -216,26 +219,43 @@ int Builder::append_round() {
 }
 
 void Builder::drop_removed() {
-    const auto is_removed = [&](int v) { return mesh_.vertices[v].degree == 0; };
-    alive_.erase(std::remove_if(alive_.begin(), alive_.end(), is_removed), alive_.end());
-    const auto is_gone = [&](int f) { return mesh_.faces[f].heir >= 0; };
-    live_faces_.erase(std::remove_if(live_faces_.begin(), live_faces_.end(), is_gone),
-                      live_faces_.end());
+    keep_items(
+        alive_, threads_for_items(alive_), [&](int v) { return mesh_.vertices[v].degree > 0; });
+    keep_items(live_faces_, threads_for_items(live_faces_), [&](int f) {
+        return mesh_.faces[f].heir < 0;
+    });
+}
+
+/// Where most faces are gone, the others move together.
+void Builder::close_ranks() {
+    if (mesh_.faces.size() < kLeastToMove || 2 * live_faces_.size() > mesh_.faces.size()) {
+        return;
+    }
+    mesh_.keep(live_faces_, alive_, threads_);
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+        stuck_at_[i] = stuck_at_[alive_[i]];
+    }
+    std::iota(live_faces_.begin(), live_faces_.end(), 0);
+    std::iota(alive_.begin(), alive_.end(), 0);
 }
 
 bool Builder::has_many_holes() const {
-    const auto cap_faces =
-        live_faces_.end() - std::lower_bound(live_faces_.begin(), live_faces_.end(), face_count_);
+    const auto cap_faces = live_faces_.end() -
+        std::lower_bound(live_faces_.begin(), live_faces_.end(), mesh_.first_cap_face);
     return cap_faces * kFacesPerCapFace > static_cast<std::ptrdiff_t>(live_faces_.size());
 }
 
 void Builder::collect_base() {
     for (int f : live_faces_) {
-        if (f >= face_count_) {
+        if (f >= mesh_.first_cap_face) {
             continue;
         }
-        result_.base_faces.push_back(f);
-        result_.base_triangles.push_back(mesh_.faces[f].vertices);
+        result_.base_faces.push_back(mesh_.face_name(f));
+        Triangle triangle = mesh_.faces[f].vertices;
+        for (int& v : triangle) {
+            v = mesh_.vertex_name(v);
+        }
+        result_.base_triangles.push_back(triangle);
     }
 }
 
@@ -247,6 +267,7 @@ CollapseHierarchy Builder::build(const Progress& progress) {
         report_progress(progress,
                         1.0 - static_cast<double>(live_faces_.size()) / all_faces,
                         "Simplifying the mesh");
+        close_ranks();
         limits.may_close_holes = limits.may_close_holes || has_many_holes();
         const bool complete = rank_vertices(limits);
         select_vertices();

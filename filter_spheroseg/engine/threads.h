@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <omp.h>
+#include <vector>
 
 namespace spheroseg {
 
@@ -56,6 +57,21 @@ template <typename Work> void for_each_share(int items, int threads, const Work&
     for_each_task(threads, threads, [&](int t) {
         work(share_begin(t, threads, items), share_begin(t + 1, threads, items));
     });
+}
+
+/// Keeps the items for which keep(item) holds, in their order, on so many threads.
+template <typename Keep> void keep_items(std::vector<int>& items, int threads, const Keep& keep) {
+    const auto count = static_cast<int>(items.size());
+    const auto begin_of = [&](int t) { return items.begin() + share_begin(t, threads, count); };
+    std::vector<std::vector<int>::iterator> ends(threads);
+    for_each_task(threads, threads, [&](int t) {
+        ends[t] = std::copy_if(begin_of(t), begin_of(t + 1), begin_of(t), keep);
+    });
+    auto end = ends[0];
+    for (int t = 1; t < threads; ++t) {
+        end = std::copy(begin_of(t), ends[t], end);
+    }
+    items.erase(end, items.end());
 }
 
 /// Items that a thread takes at a time where some take longer than others.
