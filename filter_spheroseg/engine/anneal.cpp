@@ -170,76 +170,161 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
     return change;
 }
 
-/// Runs the phases of a schedule: new groups of labels in each. `run(phase, loads, grouping,
-/// boundary)` makes the proposals of all groups and returns the change of the number of boundary
-/// edges; `loads_of(phase)` gives the rule for the loads.
-template <typename LoadsOf, typename Run>
-void run_phases(Patchwork& patchwork,
-                const AnnealSchedule& schedule,
-                const AnnealControl& control,
-                const char* step,
-                const LoadsOf& loads_of,
-                const Run& run) {
-    BoundaryFaces boundary(patchwork, schedule.thread_count);
-    std::int64_t edges = count_boundary_edges(patchwork, schedule.thread_count);
-    Grouping grouping;
-    const int phases = std::max(1, schedule.phase_count);
-    const double face_count = std::max<double>(1.0, static_cast<double>(boundary.faces().size()));
-    for (int p = 0; p < phases; ++p) {
-        if (p >= control.max_phases || (control.deadline && control.deadline->expired())) {
-            return;
-        }
-        report_progress(control.progress, static_cast<double>(p) / phases, step);
-        const StopWatch watch;
-        Phase phase;
-        phase.temperature = schedule.temperature(p);
-        phase.proposals_per_face =
-            std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
-        phase.seed = schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(p);
-
-        grouping.regroup(patchwork, boundary, phase.seed, schedule.thread_count);
-        edges += run(phase, loads_of(p), grouping, boundary);
-        grouping.collect(patchwork.load, boundary);
-        if (control.history) {
-            control.history->add(static_cast<double>(edges), watch.elapsed_seconds());
-        }
+/// Calls work(run); `run(phase, loads, grouping, boundary)` makes the proposals of all groups, on
+/// the device if there is one, and returns the change of the number of boundary edges. In between
+/// labels must not be changed otherwise.
+template <typename Work>
+void with_groups(Patchwork& patchwork,
+                 const AnnealControl& control,
+                 PartnerLists* partners,
+                 int threads,
+                 const Work& work) {
+    if (control.device) {
+        const std::unique_ptr<DeviceGroups> groups =
+            control.device->begin_groups(patchwork, partners != nullptr, threads);
+        work([&](const Phase& phase,
+                 const auto& loads,
+                 Grouping& grouping,
+                 BoundaryFaces& boundary) {
+            return groups->run(phase, loads, patchwork, grouping, boundary);
+        });
+        return;
     }
+    work([&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
+        return run_on_cores({patchwork, grouping, boundary, partners}, phase, loads, threads);
+    });
 }
 
+std::uint64_t seed_of(const AnnealSchedule& schedule, int phase) {
+    return schedule.seed * 0x9E3779B97F4A7C15ULL + static_cast<std::uint64_t>(phase);
+}
+
+bool is_over(const AnnealControl& control, int phase) {
+    return phase >= control.max_phases || (control.deadline && control.deadline->expired());
+}
+
+/// Runs the phases of a schedule: new groups of labels in each. `loads_of(phase)` gives the rule
+/// for the loads.
 template <typename LoadsOf>
-void run_groups(Patchwork& patchwork,
+void run_phases(Patchwork& patchwork,
                 const AnnealSchedule& schedule,
                 const AnnealControl& control,
                 const char* step,
                 PartnerLists* partners,
                 const LoadsOf& loads_of) {
     const int threads = resolve_thread_count(schedule.thread_count);
-    const auto run_all = [&](const auto& run) {
-        run_phases(patchwork, schedule, control, step, loads_of, run);
-    };
-    if (control.device) {
-        const std::unique_ptr<DeviceGroups> groups =
-            control.device->begin_groups(patchwork, partners != nullptr, threads);
-        run_all([&](const Phase& phase,
-                    const auto& loads,
-                    Grouping& grouping,
-                    BoundaryFaces& boundary) {
-            return groups->run(phase, loads, patchwork, grouping, boundary);
+    with_groups(patchwork, control, partners, threads, [&](const auto& run) {
+        BoundaryFaces boundary(patchwork, threads);
+        std::int64_t edges = count_boundary_edges(patchwork, threads);
+        Grouping grouping;
+        const int phases = std::max(1, schedule.phase_count);
+        const double face_count =
+            std::max<double>(1.0, static_cast<double>(boundary.faces().size()));
+        const double proposals =
+            std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
+        for (int p = 0; p < phases && !is_over(control, p); ++p) {
+            report_progress(control.progress, static_cast<double>(p) / phases, step);
+            const StopWatch watch;
+            const Phase phase{schedule.temperature(p), proposals, seed_of(schedule, p)};
+            grouping.regroup(patchwork, boundary, phase.seed, threads);
+            edges += run(phase, loads_of(p), grouping, boundary);
+            grouping.collect(patchwork.load, boundary);
+            if (control.history) {
+                control.history->add(static_cast<double>(edges), watch.elapsed_seconds());
+            }
+        }
+    });
+}
+
+/// The boundary edges inside each group.
+std::vector<std::int64_t>
+edges_of_groups(const Patchwork& patchwork, const Grouping& grouping, int threads) {
+    const std::vector<int>& group_of_label = grouping.group_of_label();
+    std::vector<std::atomic<std::int64_t>> sides(grouping.group_count());
+    const int face_count = patchwork.face_count();
+    for_each_share(
+        face_count, threads_for(threads, face_count, kFacesPerThread), [&](int begin, int end) {
+            for (int f = begin; f < end; ++f) {
+                const int label = patchwork.label(f);
+                const int group = group_of_label[label];
+                for (int c = 0; c < 3; ++c) {
+                    const int across = patchwork.label_across(f, c);
+                    if (across != label && across != kOpenBorder &&
+                        group_of_label[across] == group) {
+                        sides[group].fetch_add(1, std::memory_order_relaxed);
+                    }
+                }
+            }
         });
-        return;
+    std::vector<std::int64_t> edges;
+    for (const std::atomic<std::int64_t>& count : sides) {
+        edges.push_back(count / 2);
     }
-    run_all(
-        [&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
-            return run_on_cores({patchwork, grouping, boundary, partners}, phase, loads, threads);
+    return edges;
+}
+
+/// Gives the faces of groups that have more boundary edges than `edges` their `labels` again.
+void undo_worse_groups(Patchwork& patchwork,
+                       const Grouping& grouping,
+                       const std::vector<std::int64_t>& edges,
+                       const std::vector<int>& labels,
+                       int threads) {
+    const std::vector<std::int64_t> edges_now = edges_of_groups(patchwork, grouping, threads);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        const int group = grouping.group_of_label()[labels[f]];
+        if (edges_now[group] > edges[group]) {
+            patchwork.set_own_label(f, labels[f]);
+        }
+    }
+    patchwork.tell_neighbors(threads);
+    sum_loads(patchwork);
+}
+
+void run_rounds(Patchwork& patchwork,
+                const AnnealSchedule& schedule,
+                const AnnealControl& control,
+                const char* step,
+                PartnerLists& partners,
+                const BoundedLoads& range) {
+    const int threads = resolve_thread_count(schedule.thread_count);
+    const int phases = std::max(1, schedule.phase_count);
+    const double all_phases = static_cast<double>(schedule.round_count) * phases;
+    Grouping grouping;
+    for (int round = 0; round < schedule.round_count && !is_over(control, round); ++round) {
+        const StopWatch watch;
+        const int first = round * phases;
+        BoundaryFaces boundary(patchwork, threads);
+        grouping.regroup(patchwork, boundary, seed_of(schedule, first), threads);
+        const std::vector<int> labels = cell_labels(patchwork);
+        const std::vector<std::int64_t> edges = edges_of_groups(patchwork, grouping, threads);
+        with_groups(patchwork, control, &partners, threads, [&](const auto& run) {
+            for (int p = 0; p < phases && !is_over(control, round); ++p) {
+                report_progress(control.progress, (first + p) / all_phases, step);
+                const Phase phase{schedule.temperature(p),
+                                  schedule.proposals_per_face / phases,
+                                  seed_of(schedule, first + p)};
+                run(phase, range, grouping, boundary);
+            }
         });
+        undo_worse_groups(patchwork, grouping, edges, labels, threads);
+        if (control.history) {
+            control.history->add(static_cast<double>(count_boundary_edges(patchwork, threads)),
+                                 watch.elapsed_seconds());
+        }
+    }
 }
 
 void anneal_within(Patchwork& patchwork,
                    const AnnealSchedule& schedule,
                    const AnnealControl& control,
                    const BoundedLoads& range) {
+    constexpr const char* kStep = "Exchanges";
     PartnerLists partners(patchwork.submesh_count());
-    run_groups(patchwork, schedule, control, "Exchanges", &partners, [&](int) { return range; });
+    if (schedule.round_count > 0) {
+        run_rounds(patchwork, schedule, control, kStep, partners, range);
+    } else {
+        run_phases(patchwork, schedule, control, kStep, &partners, [&](int) { return range; });
+    }
 }
 
 } // namespace
@@ -249,7 +334,7 @@ void anneal(Patchwork& patchwork, const AnnealSchedule& schedule, const AnnealCo
         return;
     }
     const double face_weight = mean_face_weight(patchwork);
-    run_groups(patchwork, schedule, control, "Refinement", nullptr, [&](int phase) {
+    run_phases(patchwork, schedule, control, "Refinement", nullptr, [&](int phase) {
         return FreeLoads{schedule.balance_weight(phase, face_weight)};
     });
 }

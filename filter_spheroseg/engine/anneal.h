@@ -15,11 +15,17 @@ class AnnealDevice;
 /// Annealing, 1983). The energy is the number of boundary edges plus, for every sub-mesh,
 /// balance_weight * ((load - mean load) / mean face weight)^2.
 struct AnnealSchedule {
-    /// Moves tried per face that touches a boundary, over all phases.
+    /// Moves tried per face that touches a boundary, over all phases (of a round, if there are
+    /// any).
     double proposals_per_face = 100.0;
     int phase_count = 24;
     /// At least so many in all, however few faces there are.
     double least_proposals = 0.0;
+    /// Only at exact balance or below a limit. 0: each phase draws other groups of sub-meshes. Else
+    /// so many rounds draw them, each anneals them over all phases, and what made the boundaries
+    /// inside a group longer is undone: what was found in one place is kept while the search goes
+    /// on in another.
+    int round_count = 0;
     /// In boundary edges; falls geometrically over the phases.
     double temperature_begin = 0.6;
     double temperature_end = 0.15;
@@ -50,12 +56,12 @@ private:
 struct AnnealControl {
     /// May be null. Stops early, between two phases, when it has expired.
     const Deadline* deadline = nullptr;
-    /// At most so many phases of the schedule are run.
+    /// At most so many phases of the schedule, or rounds, are run.
     int max_phases = 1 << 30;
     Progress progress;
     /// May be null. Anneals the groups instead of the cores, with the same result.
     AnnealDevice* device = nullptr;
-    /// May be null. Each phase is added to it.
+    /// May be null. Each phase, or round, is added to it.
     History* history = nullptr;
 };
 

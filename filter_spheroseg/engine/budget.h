@@ -7,6 +7,8 @@ namespace spheroseg {
 
 /// How much work an effort is worth.
 struct Budget {
+    /// Whole runs, of which the best result counts.
+    int starts;
     /// Iterations of Lloyd's relaxation.
     int relaxations;
     /// Proposals per boundary face on the first level; instead where sub-meshes are small; and on
@@ -20,9 +22,13 @@ struct Budget {
     int trial_faces;
     /// Proposals of branches per boundary face, where they are needed.
     double branch_proposals;
-    /// Exchanges per boundary face at exact balance; instead where sub-meshes are small.
+    /// Exchanges per boundary face at exact balance; instead where sub-meshes are small. Where
+    /// rounds follow, only those below a limit, of weights.
     double exchange_proposals;
     double small_exchange_proposals;
+    /// Rounds of exchanges in the best result, and how many are tried per boundary face in each.
+    int rounds;
+    double round_proposals;
     /// Temperatures of the annealing on the first level, and on each further one.
     int first_phases;
     int level_phases;
@@ -32,6 +38,7 @@ inline Budget budget_of(Effort effort) {
     Budget budget = {};
     switch (effort) {
     case Effort::draft:
+        budget.starts = 1;
         budget.relaxations = 30;
         budget.first_proposals = 38.0;
         budget.small_first_proposals = 30.0;
@@ -45,6 +52,7 @@ inline Budget budget_of(Effort effort) {
         budget.level_phases = 6;
         break;
     case Effort::standard:
+        budget.starts = 1;
         budget.relaxations = 48;
         budget.first_proposals = 90.0;
         budget.small_first_proposals = 62.0;
@@ -58,6 +66,7 @@ inline Budget budget_of(Effort effort) {
         budget.level_phases = 12;
         break;
     case Effort::high:
+        budget.starts = 2;
         budget.relaxations = 60;
         budget.first_proposals = 4000.0;
         budget.small_first_proposals = 2500.0;
@@ -67,6 +76,8 @@ inline Budget budget_of(Effort effort) {
         budget.trial_faces = 6000;
         budget.exchange_proposals = 1000.0;
         budget.small_exchange_proposals = 2000.0;
+        budget.rounds = 45;
+        budget.round_proposals = 100.0;
         budget.first_phases = 48;
         budget.level_phases = 48;
         break;

@@ -30,17 +30,24 @@ constexpr double kRelaxation = 0.02;
 constexpr double kUncoarsening = 0.1;
 constexpr double kFinish = 0.05;
 
-Schedules schedules_of(int face_count, int submesh_count, Effort effort, int thread_count) {
-    const bool are_small = face_count < std::int64_t{kSmallSubmesh} * submesh_count;
-    return {budget_of(effort), are_small, thread_count};
-}
-
 } // namespace
 
-FastPlan::FastPlan(int face_count, int submesh_count, Effort effort, int thread_count)
-    : face_count_(face_count), submesh_count_(submesh_count),
-      schedules_(schedules_of(face_count, submesh_count, effort, thread_count)),
-      first_face_count_(coarse_face_count()) {}
+FastPlan::FastPlan(
+    int face_count, int submesh_count, bool by_weight, Effort effort, int thread_count)
+    : face_count_(face_count), submesh_count_(submesh_count), by_weight_(by_weight),
+      thread_count_(thread_count), first_face_count_(coarse_face_count()) {
+    set_effort(effort);
+}
+
+void FastPlan::set_effort(Effort effort) {
+    const bool are_small = face_count_ < std::int64_t{kSmallSubmesh} * submesh_count_;
+    schedules_ = {budget_of(effort), are_small, thread_count_};
+    start_count_ = schedules_.budget.starts;
+    if (!coarsens() && !by_weight_) {
+        schedules_.share = start_count_;
+        start_count_ = 1;
+    }
+}
 
 int FastPlan::coarse_face_count() const {
     return static_cast<int>(std::min<std::int64_t>(
@@ -77,7 +84,8 @@ int FastPlan::most_phases() const {
     // annealed twice, before the exchanges.
     const double levels = 2.0 * std::log(face_count_) / -std::log(MeshLevels::kLeastShare) + 2.0;
     const Budget& budget = schedules_.budget;
-    return budget.first_phases + static_cast<int>(levels + 2.0) * budget.level_phases;
+    return budget.first_phases + static_cast<int>(levels + 2.0) * budget.level_phases +
+        budget.rounds;
 }
 
 StartCost FastPlan::cost_of_start(int trials) const {
@@ -93,12 +101,21 @@ StartCost FastPlan::cost_of_start(int trials) const {
         done_faces = work.face_count;
     } else {
         cost.start = kRelaxation * relaxations() * first_faces;
-        proposals = schedules_.first_proposals() * hexagonal_edges(first_faces, submesh_count_);
+        proposals = schedules_.share * schedules_.first_proposals() *
+            hexagonal_edges(first_faces, submesh_count_);
     }
     proposals += schedules_.further_proposals(hexagonal_edges(done_faces, submesh_count_), edges);
     cost.levels = kProposal * proposals + (coarsens() ? kUncoarsening * faces : 0.0);
-    cost.exchanges = kProposal * schedules_.exchange_count(faces, edges) + kFinish * faces;
+    const bool in_rounds = schedules_.budget.rounds > 0 && !by_weight_;
+    const double exchanges = in_rounds ? 0.0 : schedules_.exchange_count(faces, edges);
+    cost.exchanges = kProposal * exchanges + kFinish * faces;
     return cost;
+}
+
+double FastPlan::cost_of_rounds() const {
+    const Budget& budget = schedules_.budget;
+    return kProposal * budget.rounds * budget.round_proposals *
+        hexagonal_edges(face_count_, submesh_count_);
 }
 
 } // namespace spheroseg

@@ -23,11 +23,15 @@ struct StartCost {
 /// [2, face_count]: where it starts, and how much it does.
 class FastPlan {
 public:
-    FastPlan(int face_count, int submesh_count, Effort effort, int thread_count);
+    FastPlan(int face_count, int submesh_count, bool by_weight, Effort effort, int thread_count);
 
     /// For what is still to be done.
-    void set_effort(Effort effort) { schedules_.budget = budget_of(effort); }
+    void set_effort(Effort effort);
     const Schedules& schedules() const { return schedules_; }
+
+    /// How many starts are made, of which the best result is kept. Where there is only one level, a
+    /// single one that takes as long is better; but by weight it is the balance that differs.
+    int start_count() const { return start_count_; }
 
     /// The cells that the first level of a coarsened mesh has at least; the faces of another.
     int coarse_face_count() const;
@@ -50,11 +54,16 @@ public:
     int most_phases() const;
     /// Of a start that is the best of so many, or a single one.
     StartCost cost_of_start(int trials) const;
+    /// Of the rounds after all starts, in microseconds too.
+    double cost_of_rounds() const;
 
 private:
     int face_count_;
     int submesh_count_;
+    bool by_weight_;
+    int thread_count_;
     Schedules schedules_;
+    int start_count_;
     /// 0 where there is only one level.
     int coarsest_face_count_ = 0;
     /// The least cells that the first level may have. As `coarse_face_count`; more where there is

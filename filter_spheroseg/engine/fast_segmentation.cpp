@@ -47,8 +47,6 @@ constexpr int kLargeSubmesh = 30;
 constexpr std::int64_t kMostCuts = 250;
 /// Starts that pass whole branches where annealing is stuck; it takes long.
 constexpr int kStartsWithBranches = 2;
-/// Starts of which `high` keeps the best result.
-constexpr int kHighStarts = 2;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
 /// on the sphere too much.
 constexpr int kManySubmeshes = 50;
@@ -65,7 +63,11 @@ public:
                      const Progress& progress)
         : component_(component), whole_(whole), options_(options), task_(task),
           submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
-          plan_(component.face_count(), task.submesh_count, options.effort, options.thread_count) {}
+          plan_(component.face_count(),
+                task.submesh_count,
+                !task.weights.empty(),
+                options.effort,
+                options.thread_count) {}
 
     ComponentResult run() {
         const StopWatch watch;
@@ -90,6 +92,9 @@ public:
         if (best_->history().count() == 0) {
             best_->set_history(history_); // The initial labels stay.
         }
+        if (best_->is_valid() && has_rounds() && !deadline_.expired()) {
+            go_on_in_rounds();
+        }
         if (deadline_.expired() && reserve) {
             history_ = reserve->history;
             history_.on_cores = reserve->used_cuda ? 0 : history_.count();
@@ -113,10 +118,9 @@ public:
 
 private:
     bool by_weight() const { return !task_.weights.empty(); }
+    bool has_rounds() const { return plan_.schedules().budget.rounds > 0; }
 
-    int wanted_starts() const {
-        return options_.effort == Effort::high && task_.initial_labels.empty() ? kHighStarts : 1;
-    }
+    int wanted_starts() const { return task_.initial_labels.empty() ? plan_.start_count() : 1; }
 
     /// Is the second start one on the sphere?
     bool starts_on_sphere() const {
@@ -164,7 +168,7 @@ private:
     /// Progress is by the times that the steps take.
     double preparation_share() const {
         const double preparation = (plan_.coarsens() ? 0.45 : 0.15) * component_.face_count();
-        return preparation / (preparation + cost_before(wanted_starts()));
+        return preparation / (preparation + cost_before(wanted_starts()) + plan_.cost_of_rounds());
     }
 
     double cost_before(int start) const {
@@ -174,7 +178,8 @@ private:
     }
 
     void begin_start(int start) {
-        const double all = cost_before(std::max(wanted_starts(), start + 1));
+        const double all =
+            cost_before(std::max(wanted_starts(), start + 1)) + plan_.cost_of_rounds();
         start_progress_ = sub_progress(sub_progress(progress_, preparation_share(), 1.0),
                                        cost_before(start) / all,
                                        cost_before(start + 1) / all);
@@ -371,9 +376,28 @@ private:
         was_cut_short_ = limit().expired();
         if (by_weight()) {
             balance_by_weight(patchwork, exchanges(patchwork), control(cost_.levels_end(), 1.0));
-        } else if (balance(patchwork)) {
+        } else if (balance(patchwork) && !has_rounds()) {
             anneal_balanced(patchwork, exchanges(patchwork), control(cost_.levels_end(), 1.0));
         }
+        result_.seconds.refinement += watch.elapsed_seconds();
+    }
+
+    /// Shortens the boundaries of the best result further.
+    void go_on_in_rounds() {
+        const StopWatch watch;
+        Patchwork patchwork = finest_with(best_->labels());
+        history_ = best_->history();
+        const AnnealSchedule rounds = plan_.schedules().rounds(seed_ + 4000);
+        const double starts = cost_before(wanted_starts());
+        start_progress_ = sub_progress(sub_progress(progress_, preparation_share(), 1.0),
+                                       starts / (starts + plan_.cost_of_rounds()),
+                                       1.0);
+        if (by_weight()) {
+            anneal_below(patchwork, heaviest_load(patchwork), rounds, control(0.0, 1.0));
+        } else {
+            anneal_balanced(patchwork, rounds, control(0.0, 1.0));
+        }
+        best_->keep_if_better(patchwork, true, history_);
         result_.seconds.refinement += watch.elapsed_seconds();
     }
 

@@ -79,6 +79,18 @@ AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t se
     return schedule;
 }
 
+AnnealSchedule Schedules::rounds(std::uint64_t seed) const {
+    AnnealSchedule schedule;
+    schedule.thread_count = thread_count;
+    schedule.seed = seed;
+    schedule.temperature_begin = 0.25;
+    schedule.temperature_end = 0.1;
+    schedule.proposals_per_face = budget.round_proposals;
+    schedule.phase_count = 8;
+    schedule.round_count = budget.rounds;
+    return schedule;
+}
+
 AnnealSchedule Schedules::shaking(std::uint64_t seed) const {
     AnnealSchedule schedule;
     schedule.thread_count = thread_count;

@@ -32,6 +32,8 @@ struct Schedules {
     AnnealSchedule next(const AnnealSchedule& schedule) const;
     /// At exact balance, or below a limit.
     AnnealSchedule exchanges(const Patchwork& patchwork, std::uint64_t seed) const;
+    /// The same in rounds.
+    AnnealSchedule rounds(std::uint64_t seed) const;
     /// Of branches, where the annealing of single faces and fans is stuck off balance.
     AnnealSchedule branches(const Patchwork& patchwork, std::uint64_t seed) const;
     /// Shakes boundaries with a strong pull towards balance.

@@ -33,7 +33,8 @@ struct Outcome {
     std::vector<double> boundary_edges;
 };
 
-/// Annealing with free loads, exact balance, annealing with bounded loads; on the cores when
+/// Annealing with free loads, exact balance, annealing with bounded loads, also in rounds; on the
+/// cores when
 /// `device` is null.
 Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDevice* device) {
     Patchwork patchwork = ragged_patchwork(levels, k, seed);
@@ -46,6 +47,9 @@ Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDe
     run.annealed = cell_labels(patchwork);
     EXPECT_TRUE(balance_exactly(patchwork));
     anneal_balanced(patchwork, schedule_of(30, seed), control);
+    AnnealSchedule rounds = schedule_of(10, seed + 2);
+    rounds.round_count = 3;
+    anneal_balanced(patchwork, rounds, control);
     anneal_below(patchwork, heaviest_load(patchwork) + 2, schedule_of(10, seed + 1), control);
     run.labels = cell_labels(patchwork);
     run.load = patchwork.load;
@@ -80,7 +84,7 @@ TEST(EmulatedAnnealing, LabelsAreThoseOfTheCoresForAnyThreadsOfABlock) {
                 {
                     cuda::DeviceAnnealing device(emulated_device(log, threads));
                     expect_same(expected, run_annealings(levels, k, 3, &device));
-                    EXPECT_EQ(log.launches, 12);
+                    EXPECT_EQ(log.launches, 24);
                 }
                 EXPECT_EQ(log.bytes_held, 0U);
             }

@@ -2,6 +2,7 @@
 #include "anneal.h"
 
 #include "balance.h"
+#include "boundary.h"
 #include "free_annealing.h"
 #include "patchwork_meshes.h"
 
@@ -53,6 +54,65 @@ TEST(Anneal, LowersTheBoundaryKeepsSoundnessAndDoesNotDependOnThreads) {
             reference = labels;
         }
         EXPECT_EQ(labels, reference) << threads << " threads";
+    }
+}
+
+TEST(Anneal, RoundsKeepTheBalanceAndNeverLengthenTheBoundary) {
+    const Levels levels(limbed_figure(4));
+    constexpr int kSubmeshes = 120;
+    std::vector<int> reference;
+    for (int threads : {1, 2, 3}) {
+        Patchwork patchwork = ragged_patchwork(levels, kSubmeshes, 1);
+        anneal(patchwork, schedule_of(60, threads), {});
+        ASSERT_TRUE(balance_exactly(patchwork));
+        const std::int64_t before = count_boundary_edges(patchwork, 1);
+        History history;
+        AnnealControl control;
+        control.history = &history;
+        AnnealSchedule rounds = schedule_of(40, threads);
+        rounds.temperature_begin = 0.6; // so hot that groups get worse, too
+        rounds.temperature_end = 0.2;
+        rounds.round_count = 12;
+        anneal_balanced(patchwork, rounds, control);
+        const std::vector<double>& edges = history.boundary_edges;
+        ASSERT_EQ(edges.size(), 12u);
+        EXPECT_LE(edges.front(), before);
+        EXPECT_TRUE(std::is_sorted(edges.rbegin(), edges.rend()));
+        EXPECT_LT(edges.back(), before);
+        const Measures measures = measures_of(levels, patchwork);
+        EXPECT_TRUE(measures.is_valid());
+        EXPECT_EQ(measures.boundary_edge_count, edges.back());
+        EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+        const std::vector<int> labels = levels.multilevel.labels(patchwork);
+        if (reference.empty()) {
+            reference = labels;
+        }
+        EXPECT_EQ(labels, reference) << threads << " threads";
+    }
+}
+
+TEST(Anneal, ARoundInWhichAllGetsWorseChangesNothing) {
+    const Levels levels(displaced_sphere(3));
+    constexpr int kSubmeshes = 60;
+    Patchwork patchwork = ragged_patchwork(levels, kSubmeshes, 1);
+    anneal(patchwork, schedule_of(60, 1), {});
+    ASSERT_TRUE(balance_exactly(patchwork));
+    const std::vector<int> labels = cell_labels(patchwork);
+    const std::vector<int> load = patchwork.load;
+    AnnealSchedule rounds = schedule_of(20, 1);
+    rounds.temperature_begin = 20.0;
+    rounds.temperature_end = 20.0;
+    Patchwork melted = patchwork;
+    anneal_balanced(melted, rounds, {});
+    ASSERT_NE(cell_labels(melted), labels);
+    rounds.round_count = 3;
+    anneal_balanced(patchwork, rounds, {});
+    EXPECT_EQ(cell_labels(patchwork), labels);
+    EXPECT_EQ(patchwork.load, load);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_EQ(patchwork.label_across(f, c), patchwork.label(patchwork.neighbor(f, c)));
+        }
     }
 }
 
