@@ -170,27 +170,27 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
     return change;
 }
 
-/// Calls work(run); `run(phase, loads, grouping, boundary)` makes the proposals of all groups, on
+/// Calls phases(run); `run(phase, loads, grouping, boundary)` makes the proposals of all groups, on
 /// the device if there is one, and returns the change of the number of boundary edges. In between
 /// labels must not be changed otherwise.
-template <typename Work>
+template <typename Phases>
 void with_groups(Patchwork& patchwork,
                  const AnnealControl& control,
                  PartnerLists* partners,
                  int threads,
-                 const Work& work) {
+                 const Phases& phases) {
     if (control.device) {
         const std::unique_ptr<DeviceGroups> groups =
             control.device->begin_groups(patchwork, partners != nullptr, threads);
-        work([&](const Phase& phase,
-                 const auto& loads,
-                 Grouping& grouping,
-                 BoundaryFaces& boundary) {
+        phases([&](const Phase& phase,
+                   const auto& loads,
+                   Grouping& grouping,
+                   BoundaryFaces& boundary) {
             return groups->run(phase, loads, patchwork, grouping, boundary);
         });
         return;
     }
-    work([&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
+    phases([&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
         return run_on_cores({patchwork, grouping, boundary, partners}, phase, loads, threads);
     });
 }

@@ -15,6 +15,11 @@ namespace {
 /// Stars that a thread should have.
 constexpr int kStarsPerThread = 512;
 
+/// Calls work(i) for i in [0, items), with as many threads as are worth waking.
+template <typename Work> void for_each_of(int items, int thread_count, const Work& work) {
+    for_each_item(items, threads_for(thread_count, items, kFacesPerThread), work);
+}
+
 /// True when `v` has one closed fan that holds all its faces, oriented alike.
 bool has_closed_fan(const CollapseMesh& mesh, int v) {
     const int degree = mesh.vertices[v].degree;
@@ -238,10 +243,7 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     first_cap_face = face_count;
     faces.resize(face_count);
     vertices.assign(vertex_count, {-1, 0, 0, -1});
-    const auto per_item = [thread_count](int items, const auto& work) {
-        for_each_item(items, threads_for(thread_count, items, kFacesPerThread), work);
-    };
-    per_item(face_count, [&](int f) {
+    for_each_of(face_count, thread_count, [&](int f) {
         faces[f] = {mesh.faces[f], dual_graph.neighbors[f], 1, -1};
     });
     for (int f = 0; f < face_count; ++f) {
@@ -253,7 +255,8 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     }
     close_holes(*this);
     is_fixed.assign(vertices.size(), 0);
-    per_item(vertex_count, [&](int v) { is_fixed[v] = !has_closed_fan(*this, v); });
+    for_each_of(
+        vertex_count, thread_count, [&](int v) { is_fixed[v] = !has_closed_fan(*this, v); });
 }
 
 void CollapseMesh::keep(const std::vector<int>& live_faces,
@@ -261,18 +264,15 @@ void CollapseMesh::keep(const std::vector<int>& live_faces,
                         int thread_count) {
     const auto kept_faces = static_cast<int>(live_faces.size());
     const auto kept_vertices = static_cast<int>(live_vertices.size());
-    const auto per_item = [thread_count](int items, const auto& work) {
-        for_each_item(items, threads_for(thread_count, items, kFacesPerThread), work);
-    };
     std::vector<int> new_face(faces.size());
     std::vector<int> new_vertex(vertices.size());
-    per_item(kept_faces, [&](int i) { new_face[live_faces[i]] = i; });
-    per_item(kept_vertices, [&](int i) { new_vertex[live_vertices[i]] = i; });
+    for_each_of(kept_faces, thread_count, [&](int i) { new_face[live_faces[i]] = i; });
+    for_each_of(kept_vertices, thread_count, [&](int i) { new_vertex[live_vertices[i]] = i; });
 
     std::vector<Face> old_faces(kept_faces);
     std::vector<int> names(kept_faces);
     old_faces.swap(faces);
-    per_item(kept_faces, [&](int i) {
+    for_each_of(kept_faces, thread_count, [&](int i) {
         Face& face = faces[i] = old_faces[live_faces[i]];
         for (int& v : face.vertices) {
             v = new_vertex[v];
@@ -289,7 +289,7 @@ void CollapseMesh::keep(const std::vector<int>& live_faces,
     names.resize(kept_vertices);
     old_vertices.swap(vertices);
     was_fixed.swap(is_fixed);
-    per_item(kept_vertices, [&](int i) {
+    for_each_of(kept_vertices, thread_count, [&](int i) {
         Vertex& vertex = vertices[i] = old_vertices[live_vertices[i]];
         while (old_faces[vertex.face].heir >= 0) {
             vertex.face = old_faces[vertex.face].heir;

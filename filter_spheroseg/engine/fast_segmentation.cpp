@@ -151,7 +151,7 @@ private:
     }
 
     void prepare_levels(const Progress& progress) {
-        if (starts_on_sphere() && plan_.coarsens()) {
+        if (starts_on_sphere()) {
             component_.hierarchy(options_.thread_count, progress); // the map needs it too
         }
         multilevel_ = plan_.coarsens() ? &component_.multilevel(options_.thread_count, progress)

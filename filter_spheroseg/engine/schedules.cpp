@@ -45,10 +45,15 @@ double Schedules::exchange_count(double face_count, double boundary_edges) const
     return std::max(least_exchanges(face_count), exchange_proposals() * boundary_edges);
 }
 
-AnnealSchedule Schedules::first(std::uint64_t seed) const {
+AnnealSchedule Schedules::schedule_with(std::uint64_t seed) const {
     AnnealSchedule schedule;
     schedule.thread_count = thread_count;
     schedule.seed = seed;
+    return schedule;
+}
+
+AnnealSchedule Schedules::first(std::uint64_t seed) const {
+    AnnealSchedule schedule = schedule_with(seed);
     schedule.temperature_begin = 0.35;
     schedule.temperature_end = 0.15;
     schedule.proposals_per_face = share * first_proposals();
@@ -67,9 +72,7 @@ AnnealSchedule Schedules::next(const AnnealSchedule& schedule) const {
 }
 
 AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t seed) const {
-    AnnealSchedule schedule;
-    schedule.thread_count = thread_count;
-    schedule.seed = seed;
+    AnnealSchedule schedule = schedule_with(seed);
     schedule.temperature_begin =
         count_boundary_edges(patchwork, thread_count) < kEdgesToMelt ? 0.5 : 0.25;
     schedule.temperature_end = 0.08;
@@ -80,9 +83,7 @@ AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t se
 }
 
 AnnealSchedule Schedules::rounds(std::uint64_t seed) const {
-    AnnealSchedule schedule;
-    schedule.thread_count = thread_count;
-    schedule.seed = seed;
+    AnnealSchedule schedule = schedule_with(seed);
     schedule.temperature_begin = 0.25;
     schedule.temperature_end = 0.1;
     schedule.proposals_per_face = budget.round_proposals;
@@ -92,9 +93,7 @@ AnnealSchedule Schedules::rounds(std::uint64_t seed) const {
 }
 
 AnnealSchedule Schedules::shaking(std::uint64_t seed) const {
-    AnnealSchedule schedule;
-    schedule.thread_count = thread_count;
-    schedule.seed = seed;
+    AnnealSchedule schedule = schedule_with(seed);
     schedule.temperature_begin = 0.6;
     schedule.temperature_end = 0.2;
     schedule.balance_weight_begin = 0.1;

@@ -40,6 +40,7 @@ struct Schedules {
     AnnealSchedule shaking(std::uint64_t seed) const;
 
 private:
+    AnnealSchedule schedule_with(std::uint64_t seed) const;
     double exchange_proposals() const;
     double least_exchanges(double face_count) const;
 };

@@ -34,8 +34,7 @@ struct Outcome {
 };
 
 /// Annealing with free loads, exact balance, annealing with bounded loads, also in rounds; on the
-/// cores when
-/// `device` is null.
+/// cores when `device` is null.
 Outcome run_annealings(const Levels& levels, int k, std::uint64_t seed, AnnealDevice* device) {
     Patchwork patchwork = ragged_patchwork(levels, k, seed);
     Outcome run;

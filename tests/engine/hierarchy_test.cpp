@@ -214,6 +214,30 @@ TEST(Hierarchy, ShortensBordersThenClosesHoles) {
     }
 }
 
+TEST(Hierarchy, OfMeshesWhoseFacesMoveTogetherIsUndoneToTheInput) {
+    // From 8,192 faces on, live faces get other numbers inside; twice here, also beside caps.
+    for (const TriangleMesh& mesh : {test::displaced_sphere(5),
+                                     test::flipped_sphere(5, 100000),
+                                     test::grid_with_holes(110),
+                                     test::pinholed(test::icosphere(5), 30)}) {
+        ASSERT_GE(mesh.face_count(), 2 * 8192);
+        const DualGraph dual_graph = build_dual_graph(mesh, 1);
+        const CollapseHierarchy hierarchy = build_hierarchy(mesh, dual_graph, 1);
+        test::Replay replay(hierarchy, mesh.face_count());
+        EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), 4);
+        for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+            ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+        }
+        expect_faces(replay, mesh);
+        const CollapseHierarchy again = build_hierarchy(mesh, dual_graph, 3);
+        EXPECT_EQ(again.vertex, hierarchy.vertex);
+        EXPECT_EQ(again.target, hierarchy.target);
+        EXPECT_EQ(again.ring_vertices, hierarchy.ring_vertices);
+        EXPECT_EQ(again.star_faces, hierarchy.star_faces);
+        EXPECT_EQ(again.base_triangles, hierarchy.base_triangles);
+    }
+}
+
 TEST(Hierarchy, ClosesHolesLate) {
     // While they are few they hinder nothing.
     const TriangleMesh mesh = test::pinholed(test::icosphere(5), 1000);
