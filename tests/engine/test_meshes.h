@@ -66,6 +66,15 @@ inline TriangleMesh long_thin_limb(int ring_size, int ring_count, double ring_sp
     return mesh;
 }
 
+/// 8,192 faces: about the fewest of which `high` makes a start on the sphere, with 50 sub-meshes.
+inline TriangleMesh mesh_for_a_sphere_start() {
+    TriangleMesh mesh = octahedron();
+    for (int level = 0; level < 5; ++level) {
+        mesh = subdivide(mesh);
+    }
+    return mesh;
+}
+
 /// Two apexes (vertices `valence` and `valence + 1`) over a ring. 2 * valence faces.
 inline TriangleMesh bipyramid(int valence) {
     TriangleMesh mesh;

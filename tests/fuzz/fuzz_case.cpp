@@ -84,7 +84,7 @@ void read_submesh_count(ByteReader& bytes, int face_count, SegmentOptions& optio
 }
 
 /// So few sub-meshes that a large mesh is coarsened; seldom more, but often with effort `high`,
-/// which then begins on the sphere too.
+/// which then goes on from a single start.
 void read_few_submeshes(ByteReader& bytes, int face_count, SegmentOptions& options) {
     const int kind = options.effort == Effort::high ? 8 + bytes.below(8) : bytes.below(16);
     const int amount = bytes.word();

@@ -15,17 +15,13 @@ namespace {
 
 using namespace test;
 
-/// Each of the first allocations, then ever fewer.
-long long next_number(long long number) {
-    return number + 1 + number / 50;
-}
-
-/// Calls `work(number)` with the allocation of that number refused, for ever later ones until none
-/// was. `work` ends with `stop_refusing` and returns what that said.
-template <typename Work> void refuse_each_allocation(Work work) {
+/// Calls `work(number)` with the allocation of that number refused, for each of the first `dense`
+/// ones and then ever fewer until none was. `work` ends with `stop_refusing` and returns what that
+/// said.
+template <typename Work> void refuse_each_allocation(Work work, int dense = 50) {
     long long number = 0;
     while (work(number)) {
-        number = next_number(number);
+        number += 1 + number / dense;
     }
 
     EXPECT_GT(number, 20);
@@ -33,13 +29,12 @@ template <typename Work> void refuse_each_allocation(Work work) {
 
 struct RefusedMemory : testing::TestWithParam<SegmentOptions> {};
 
-TEST_P(RefusedMemory, IsAnErrorThatHelpsAndTheMeshStaysUsable) {
-    const TriangleMesh mesh = displaced_sphere(2);
-    const SegmentOptions options = GetParam();
+/// Returns how many refusals were errors.
+int refuse_in_segmentations(const TriangleMesh& mesh, const SegmentOptions& options, int dense) {
     PreparedMesh reference(mesh, 2);
     const std::vector<int> expected = segment(reference, options).labels;
     int error_count = 0;
-    refuse_each_allocation([&](long long number) {
+    const auto refuse = [&](long long number) {
         std::optional<PreparedMesh> prepared;
         std::vector<int> labels;
         std::string message;
@@ -63,8 +58,13 @@ TEST_P(RefusedMemory, IsAnErrorThatHelpsAndTheMeshStaysUsable) {
             EXPECT_EQ(segment(*prepared, options).labels, expected) << number;
         }
         return true;
-    });
-    EXPECT_GT(error_count, 20);
+    };
+    refuse_each_allocation(refuse, dense);
+    return error_count;
+}
+
+TEST_P(RefusedMemory, IsAnErrorThatHelpsAndTheMeshStaysUsable) {
+    EXPECT_GT(refuse_in_segmentations(displaced_sphere(2), GetParam(), 50), 20);
 }
 
 SegmentOptions options_of(Method method, Effort effort, int submesh_count) {
@@ -90,6 +90,11 @@ INSTANTIATE_TEST_SUITE_P(Methods,
                                          options_of(Method::fast, Effort::high, 60),
                                          options_of(Method::all_pairs, Effort::standard, 40)),
                          name_of);
+
+TEST(RefusedMemory, OfAStartOnTheSphereIsAnErrorThatHelps) {
+    const SegmentOptions options = options_of(Method::fast, Effort::high, 50);
+    EXPECT_GT(refuse_in_segmentations(mesh_for_a_sphere_start(), options, 1), 10);
+}
 
 TEST(RefusedMemory, OfTheSphericalMapIsAnErrorThatHelps) {
     const TriangleMesh mesh = displaced_sphere(2);

@@ -65,7 +65,7 @@ TEST(AllThreads, FastOfManySubmeshes) {
 }
 
 TEST(AllThreads, FastFromTheSphere) {
-    SegmentOptions options = short_options(400);
+    SegmentOptions options = short_options(100);
     options.effort = Effort::high;
     options.max_refinement_iterations = 1;
     expect_same_labels(options);
