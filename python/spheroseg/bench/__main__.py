@@ -35,6 +35,8 @@ def main(arguments: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+    if not options.report_only:
+        load_plugin()
     found, reasons = meshes.available(options.samples, options.more_meshes)
     for reason in reasons:
         print(reason, file=sys.stderr)
@@ -43,7 +45,6 @@ def main(arguments: list[str] | None = None) -> int:
     options.threads = options.threads or core_count()
     facts["threads"] = f"{options.threads} for ours, 1 for the partitioners"
     if not options.report_only:
-        load_plugin()
         work = [(mesh, _runs(options, mesh)) for mesh in chosen]
         if not any(runs for _, runs in work):
             parser.error("these options leave no run on any mesh")
