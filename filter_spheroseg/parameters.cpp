@@ -26,7 +26,8 @@ void add_balance_and_start(RichParameterList& parameters, const SegmentOptions& 
                                  static_cast<int>(defaults.balance),
                                  kBalances,
                                  "Balance",
-                                 "'triangle_count': triangle counts differ by at most one. "
+                                 "'triangle_count': triangle counts differ by at most one, those "
+                                 "of several components as little as their sizes allow. "
                                  "'weight': the heaviest sub-mesh is as near to the mean weight as "
                                  "can be reached; method 'fast' only.",
                                  kAdvanced));
@@ -80,8 +81,9 @@ void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& 
     parameters.addParam(RichFloat("time_limit_seconds",
                                   Scalarm(defaults.time_limit_seconds),
                                   "Time limit (seconds)",
-                                  "Stop improving after this time. The result is still valid and "
-                                  "balanced, and time_limit_hit says that it was cut short. 0: no "
+                                  "Stop improving after this time. The result is still balanced "
+                                  "and, by 'fast', valid; on large meshes that may take some "
+                                  "seconds more. time_limit_hit says that it was cut short. 0: no "
                                   "limit.",
                                   kAdvanced));
 }
@@ -117,7 +119,7 @@ RichParameterList segmentation_parameters(int face_count) {
                                 static_cast<int>(defaults.seed),
                                 "Seed",
                                 "Same seed, same labels: on every run, for any number of "
-                                "threads."));
+                                "threads, unless a time limit was hit."));
     parameters.addParam(RichBool("colorize",
                                  true,
                                  "Colour the faces",

@@ -60,7 +60,7 @@ def add_segment_options(parser):
         dest="time_limit_seconds",
         type=float,
         metavar="S",
-        help="stop after S seconds with a valid, balanced result (0: no limit)",
+        help="stop improving after S seconds; the result is still balanced (0: no limit)",
     )
     for step in ("cohesion", "refinement"):
         parser.add_argument(
