@@ -392,8 +392,9 @@ def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
 
 def test_a_run_without_a_result_leaves_the_folder_free(tmp_path, capsys):
     output = ["-o", str(tmp_path / "out"), "-k", "3"]
-    assert main(["batch", str(tmp_path / "gone.ply"), *output]) == 1
-    assert f"failed: {tmp_path / 'gone.ply'}: no such file\n" in capsys.readouterr().err
+    (tmp_path / "torn.ply").write_text("ply\n")
+    assert main(["batch", str(tmp_path / "torn.ply"), *output]) == 1
+    assert f"failed: {tmp_path / 'torn.ply'}: " in capsys.readouterr().err
     write_mesh(tmp_path / "a.ply")
     assert main(["batch", str(tmp_path / "a.ply"), *output]) == 0
     assert [row["status"] for row in rows(tmp_path / "out")] == ["done"]

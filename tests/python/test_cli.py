@@ -368,6 +368,7 @@ BAD_CALLS = {
     "empty input": (["batch", CUBE, "", "-o", "out"], "inputs is empty"),
     "weight unused": (["segment", CUBE, "--weight-attribute", "w"], "'w' needs balance='weight'"),
     "no file": (["segment", "none.ply"], "none.ply: no such file"),
+    "no file at all": (["batch", "none.ply", "gone.ply", "-o", "out"], "none.ply: no such file"),
     "folder": (["segment", "."], ".: is a folder"),
     "garbage": (["segment", "garbage.ply"], "no PLY file"),
     "NaN": (["segment", "nan.obj"], "not finite (NaN)"),

@@ -16,6 +16,7 @@ from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.cores import busy_core_count
 from spheroseg.errors import InputError
+from spheroseg.file_checks import check_is_file
 from spheroseg.packages import require_all
 from spheroseg.progress import MeshProgress
 
@@ -110,6 +111,8 @@ def _jobs(arguments) -> tuple[list[Job], int]:
             known = ", ".join(form[1:] for form in FORMATS)
             raise InputError(f"--formats knows {known}, but not '{name[1:]}'")
     sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
+    if not (arguments.resume or any(source.mesh.exists() for source in sources)):
+        check_is_file(sources[0].mesh)  # else each fails on its own
     # Several meshes at a time use the cores better than several threads on one mesh.
     workers = min(arguments.workers or busy_core_count(), len(sources))
     if threads is None:
