@@ -41,12 +41,17 @@ FastPlan::FastPlan(
 
 void FastPlan::set_effort(Effort effort) {
     const bool are_small = face_count_ < std::int64_t{kSmallSubmesh} * submesh_count_;
-    schedules_ = {budget_of(effort), are_small, thread_count_};
+    schedules_ = {
+        budget_of(are_single_or_pairs() ? Effort::draft : effort), are_small, thread_count_};
     start_count_ = schedules_.budget.starts;
     if (!coarsens() && !by_weight_) {
         schedules_.share = start_count_;
         start_count_ = 1;
     }
+}
+
+bool FastPlan::are_single_or_pairs() const {
+    return !by_weight_ && face_count_ <= std::int64_t{2} * submesh_count_;
 }
 
 int FastPlan::coarse_face_count() const {

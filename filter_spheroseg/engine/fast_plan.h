@@ -58,6 +58,10 @@ public:
     double cost_of_rounds() const;
 
 private:
+    /// Do balanced sub-meshes have one or two faces? All such labels have as many boundary edges,
+    /// so that no effort finds shorter ones.
+    bool are_single_or_pairs() const;
+
     int face_count_;
     int submesh_count_;
     bool by_weight_;

@@ -98,6 +98,23 @@ TEST(Fast, EveryKOnNarrowTubesIsValid) {
     }
 }
 
+TEST(Fast, NoEffortIsSpentOnPairsOfTriangles) {
+    for (const TriangleMesh& mesh : {displaced_sphere(2), slivers(60), grid_with_holes(20)}) {
+        PreparedMesh prepared(mesh, 1);
+        const int face_count = mesh.face_count();
+        const int edge_count =
+            segment(prepared, fast_options(face_count, Effort::draft)).measures.boundary_edge_count;
+        for (int k : {face_count / 2, face_count / 2 + 1, face_count - 3}) {
+            const Segmentation draft = segment(prepared, fast_options(k, Effort::draft));
+            const Segmentation high = segment(prepared, fast_options(k, Effort::high));
+            // Each pair hides one of the edges inside the surface.
+            EXPECT_EQ(draft.measures.boundary_edge_count, edge_count - (face_count - k));
+            EXPECT_EQ(high.labels, draft.labels);
+            EXPECT_EQ(high.refinement_iterations, draft.refinement_iterations);
+        }
+    }
+}
+
 /// An open tube of `rings` rings of three squares, two triangles each.
 TriangleMesh tube_of_squares(int rings) {
     TriangleMesh mesh;
