@@ -3,7 +3,7 @@
 
 #include "branches.h"
 #include "pass_graph.h"
-#include "planned_chain.h"
+#include "planned_chains.h"
 #include "random.h"
 #include "submesh_boundaries.h"
 
@@ -23,7 +23,7 @@ public:
         : patchwork_(patchwork), work_left_(max_work), deadline_(deadline), progress_(progress),
           boundaries_(patchwork), branches_(patchwork), graph_(patchwork.submesh_count()),
           arc_of_(patchwork.submesh_count(), -1), even_(even_loads(patchwork)),
-          chain_(patchwork, boundaries_, even_) {}
+          chains_(patchwork, boundaries_, even_) {}
 
     bool run() {
         std::int64_t least = imbalance();
@@ -73,9 +73,6 @@ private:
     /// Faces looked at for branches, at most.
     static constexpr std::int64_t kBranchWorkPerFace = 1000;
 
-    /// A plan that looks at so many sub-meshes and finds no end has met all that can be reached.
-    static constexpr std::int64_t kLargePlan = 1000;
-
     bool is_overdue() const { return deadline_ && deadline_->is_overdue(); }
 
     void count_work(std::int64_t faces) {
@@ -103,16 +100,28 @@ private:
         }
     }
 
+    /// As long as that brings the loads nearer to balance.
     void follow_plans() {
-        bool shut_in = false;
-        for_each_off([&](int label, bool outward) {
-            if (shut_in) {
-                return false;
+        std::int64_t before = 0;
+        std::int64_t now = imbalance();
+        do {
+            before = now;
+            follow_plans(true);
+            follow_plans(false);
+            now = imbalance();
+        } while (now < before && work_left_ > 0);
+    }
+
+    void follow_plans(bool outward) {
+        std::vector<int> labels;
+        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+            if (deviation(l) > 0 && (patchwork_.load[l] > even_.ceiling) == outward) {
+                labels.push_back(l);
             }
-            const bool moved = chain_.follow(label, outward, random_, work_left_);
-            count_work(chain_.work());
-            shut_in = !moved && chain_.searches() > kLargePlan;
-            return moved;
+        }
+        chains_.follow(labels, outward, random_, [this](std::int64_t faces) {
+            count_work(faces);
+            return work_left_ > 0;
         });
     }
 
@@ -348,7 +357,7 @@ private:
     std::vector<int> arc_of_;
     std::vector<Arc> arcs_;
     const EvenLoads even_;
-    PlannedChain chain_;
+    PlannedChains chains_;
     Random random_{0x62616c616e6365ULL};
 };
 

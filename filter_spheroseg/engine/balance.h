@@ -11,7 +11,7 @@ namespace spheroseg {
 /// Makes the loads of a patchwork of unit weights differ by at most one, by passing single faces
 /// along shortest chains of sub-meshes from one that has too many to one that has too few, each
 /// time the face that costs the fewest boundary edges; where many chains break, along chains whose
-/// passes are planned one on the other (PlannedChain), and at last by passing faces together with
+/// passes are planned one on the other (PlannedChains), and at last by passing faces together with
 /// what would be cut off (Branches). All sub-meshes stay connected and
 /// free of bowties. Returns false when it got stuck before that; the patchwork is still as good as
 /// it can be made this way. Gives up when about `max_work` faces of boundaries were looked at, and,

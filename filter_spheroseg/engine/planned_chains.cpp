@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "planned_chains.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace spheroseg {
+
+void PlannedChains::follow(const std::vector<int>& labels,
+                           bool outward,
+                           Random& random,
+                           const GoOn& go_on) {
+    turn_ = random.next();
+    find(labels, outward, go_on);
+    for (int end : ends_) {
+        make(end);
+    }
+}
+
+void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoOn& go_on) {
+    passes_.clear();
+    ends_.clear();
+    work_ = 0;
+    const auto label_count = static_cast<int>(labels.size());
+    for (int label : labels) {
+        first_depth_[label] = 0;
+    }
+    for (int i = 0; i < label_count; ++i) {
+        plan_from(labels[i], outward, -1, i);
+    }
+    std::vector<std::uint8_t> is_found(labels.size(), 0);
+    const auto end_of = [outward](const Pass& pass) { return outward ? pass.to : pass.from; };
+    for (std::size_t head = 0;
+         head < passes_.size() && ends_.size() < labels.size() && go_on(std::exchange(work_, 0));
+         ++head) {
+        const Pass pass = passes_[head];
+        const int at = end_of(pass);
+        if (is_found[pass.begin]) {
+            continue;
+        }
+        if (even_.room(patchwork_.load[at], outward) > promised_[at]) {
+            ++promised_[at];
+            is_found[pass.begin] = 1;
+            ends_.push_back(static_cast<int>(head));
+        } else {
+            pass_face(pass.side.face, pass.from, pass.to);
+            plan_from(at, outward, static_cast<int>(head), pass.begin);
+            pass_face(pass.side.face, pass.to, pass.from);
+        }
+    }
+    forget(labels);
+}
+
+void PlannedChains::pass_face(int face, int from, int to) {
+    Move move;
+    move.faces[0] = face;
+    move.face_count = 1;
+    move.from = from;
+    move.to = to;
+    move.weight = patchwork_.weight(face);
+    boundaries_.commit(move);
+}
+
+/// Leaves no marks of the search, but its result.
+void PlannedChains::forget(const std::vector<int>& labels) {
+    for (int label : labels) {
+        first_depth_[label] = kUnmet;
+    }
+    for (const Pass& pass : passes_) {
+        is_planned_[3 * pass.side.face + pass.side.corner] = 0;
+        for (int label : {pass.from, pass.to}) {
+            first_depth_[label] = kUnmet;
+            promised_[label] = 0;
+        }
+    }
+}
+
+/// Plans every allowed pass out of (or into) a sub-mesh that is not planned yet.
+void PlannedChains::plan_from(int label, bool outward, int previous, int begin) {
+    work_ += boundaries_.listed_count(label);
+    sides_.clear();
+    boundaries_.for_each_side(label, [&](int face, int c, int) {
+        sides_.push_back(passing_side(patchwork_, face, c, outward));
+    });
+    const int depth = previous < 0 ? 0 : passes_[previous].depth + 1;
+    const std::size_t count = sides_.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Side& side = sides_[(i + turn_) % count];
+        std::uint8_t& is_planned = is_planned_[3 * side.face + side.corner];
+        Move move;
+        if (!is_planned && is_allowed(side, move) &&
+            !is_on_chain(outward ? move.to : move.from, side.face, previous)) {
+            is_planned = 1;
+            passes_.push_back({side, move.from, move.to, previous, depth, begin});
+            int& first_depth = first_depth_[outward ? move.to : move.from];
+            first_depth = std::min(first_depth, depth);
+        }
+    }
+}
+
+/// A chain that ends with the pass `last` has met the sub-mesh, or moves the face with that pass.
+/// Passes that are not as deep as the first one that met the sub-mesh did not meet it; and a face
+/// that was moved before lies in a sub-mesh of the chain, as `last` alone is made.
+bool PlannedChains::is_on_chain(int label, int face, int last) const {
+    if (last >= 0 && passes_[last].side.face == face) {
+        return true;
+    }
+    for (int i = last; i >= 0 && passes_[i].depth >= first_depth_[label]; i = passes_[i].previous) {
+        if (passes_[i].from == label || passes_[i].to == label) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Makes the passes of the chain that ends with this one, as far as they are still allowed.
+void PlannedChains::make(int last) {
+    std::vector<int> chain;
+    for (int i = last; i >= 0; i = passes_[i].previous) {
+        chain.push_back(i);
+    }
+    for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
+        const Pass& pass = passes_[*i];
+        Move move;
+        if (!is_allowed(pass.side, move) || move.from != pass.from || move.to != pass.to) {
+            return;
+        }
+        boundaries_.commit(move);
+    }
+}
+
+} // namespace spheroseg

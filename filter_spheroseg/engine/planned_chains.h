@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "random.h"
+#include "submesh_boundaries.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace spheroseg {
+
+/// A side of a sub-mesh: the edge of `face` at `corner`.
+struct Side {
+    int face;
+    int corner;
+};
+
+/// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
+/// `corner`, or, not `outward`, into it.
+inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
+    if (outward) {
+        return {face, corner};
+    }
+    const NeighborSide across = patchwork.cells[face].side[corner];
+    return {face_of(across), corner_of(across)};
+}
+
+/// Chains of passes, each of one face from a sub-mesh to a neighbour, from sub-meshes with too many
+/// faces to ones with room, or to ones with too few from ones that can spare a face. Each pass is
+/// planned on the sub-mesh as the pass before it leaves it: which faces a sub-mesh of two or three
+/// can give depends on the face that it gets. A sub-mesh has too many faces above `even.ceiling`,
+/// too few below `even.floor`.
+class PlannedChains {
+public:
+    /// Told of the faces that were looked at since it was called before; false ends the search.
+    using GoOn = std::function<bool(std::int64_t)>;
+
+    PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
+        : patchwork_(patchwork), boundaries_(boundaries), even_(even),
+          is_planned_(3 * patchwork.cells.size(), 0),
+          first_depth_(patchwork.submesh_count(), kUnmet), promised_(patchwork.submesh_count(), 0) {
+    }
+
+    /// Makes a short chain from each of the sub-meshes with too many faces (`outward`), or to each
+    /// of those with too few. They are found breadth first over the sides of the mesh, from all of
+    /// these `labels` at the same time, so that each side is met once; ties are broken by `random`.
+    /// A chain may break where another one was made before it; then its face stays on the way. All
+    /// sub-meshes stay connected and free of bowties.
+    void follow(const std::vector<int>& labels, bool outward, Random& random, const GoOn& go_on);
+
+private:
+    struct Pass {
+        Side side;
+        int from;
+        int to;
+        int previous; // -1: none
+        /// Passes before it on the chain.
+        int depth;
+        /// Index of the label where the chain begins.
+        int begin;
+    };
+
+    void find(const std::vector<int>& labels, bool outward, const GoOn& go_on);
+    void plan_from(int label, bool outward, int previous, int begin);
+    void pass_face(int face, int from, int to);
+    void forget(const std::vector<int>& labels);
+    bool is_on_chain(int label, int face, int last) const;
+    void make(int last);
+    bool is_allowed(const Side& side, Move& move) const {
+        return describe_single(patchwork_, side.face, side.corner, move) &&
+            single_is_allowed(patchwork_, side.face, side.corner, move);
+    }
+
+    Patchwork& patchwork_;
+    SubmeshBoundaries& boundaries_;
+    const EvenLoads even_;
+    std::uint64_t turn_ = 0;
+    std::int64_t work_ = 0;
+    std::vector<Pass> passes_;
+    /// The last passes of the chains that were found.
+    std::vector<int> ends_;
+    std::vector<Side> sides_;
+    std::vector<std::uint8_t> is_planned_;
+    static constexpr int kUnmet = 1 << 30;
+    /// Of the passes that meet a sub-mesh, the least depth.
+    std::vector<int> first_depth_;
+    /// Faces that a sub-mesh gets from these chains, or gives to them.
+    std::vector<int> promised_;
+};
+
+} // namespace spheroseg
