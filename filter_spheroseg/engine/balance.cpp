@@ -102,27 +102,18 @@ private:
 
     /// As long as that brings the loads nearer to balance.
     void follow_plans() {
+        const auto go_on = [this](std::int64_t faces) {
+            count_work(faces);
+            return work_left_ > 0;
+        };
         std::int64_t before = 0;
         std::int64_t now = imbalance();
         do {
             before = now;
-            follow_plans(true);
-            follow_plans(false);
+            chains_.follow(true, random_, go_on);
+            chains_.follow(false, random_, go_on);
             now = imbalance();
         } while (now < before && work_left_ > 0);
-    }
-
-    void follow_plans(bool outward) {
-        std::vector<int> labels;
-        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            if (deviation(l) > 0 && (patchwork_.load[l] > even_.ceiling) == outward) {
-                labels.push_back(l);
-            }
-        }
-        chains_.follow(labels, outward, random_, [this](std::int64_t faces) {
-            count_work(faces);
-            return work_left_ > 0;
-        });
     }
 
     /// Passes random faces out of the neighbours of the sub-meshes that are off, `times` for every
@@ -300,13 +291,7 @@ private:
         });
         count_work(1 + boundaries_.listed_count(label) + branches_.work() - branch_work);
         for (int face : chosen_) {
-            Move move;
-            move.faces[0] = face;
-            move.face_count = 1;
-            move.from = outward ? label : other;
-            move.to = outward ? other : label;
-            move.weight = 1;
-            boundaries_.commit(move);
+            boundaries_.pass(face, outward ? label : other, outward ? other : label);
         }
         return other;
     }

@@ -6,11 +6,14 @@
 
 namespace spheroseg {
 
-void PlannedChains::follow(const std::vector<int>& labels,
-                           bool outward,
-                           Random& random,
-                           const GoOn& go_on) {
+void PlannedChains::follow(bool outward, Random& random, const GoOn& go_on) {
     turn_ = random.next();
+    std::vector<int> labels;
+    for (int l = 0; l < patchwork_.submesh_count(); ++l) {
+        if (even_.room(patchwork_.load[l], outward) < 0) {
+            labels.push_back(l);
+        }
+    }
     find(labels, outward, go_on);
     for (int end : ends_) {
         make(end);
@@ -43,22 +46,12 @@ void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoO
             is_found[pass.begin] = 1;
             ends_.push_back(static_cast<int>(head));
         } else {
-            pass_face(pass.side.face, pass.from, pass.to);
+            boundaries_.pass(pass.side.face, pass.from, pass.to);
             plan_from(at, outward, static_cast<int>(head), pass.begin);
-            pass_face(pass.side.face, pass.to, pass.from);
+            boundaries_.pass(pass.side.face, pass.to, pass.from);
         }
     }
     forget(labels);
-}
-
-void PlannedChains::pass_face(int face, int from, int to) {
-    Move move;
-    move.faces[0] = face;
-    move.face_count = 1;
-    move.from = from;
-    move.to = to;
-    move.weight = patchwork_.weight(face);
-    boundaries_.commit(move);
 }
 
 /// Leaves no marks of the search, but its result.

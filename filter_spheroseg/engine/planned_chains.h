@@ -44,12 +44,14 @@ public:
 
     /// Makes a short chain from each of the sub-meshes with too many faces (`outward`), or to each
     /// of those with too few. They are found breadth first over the sides of the mesh, from all of
-    /// these `labels` at the same time, so that each side is met once; ties are broken by `random`.
-    /// A chain may break where another one was made before it; then its face stays on the way. All
+    /// these at the same time, so that each side is met once; ties are broken by `random`. A chain
+    /// may break where another one was made before it; then its face stays on the way. All
     /// sub-meshes stay connected and free of bowties.
-    void follow(const std::vector<int>& labels, bool outward, Random& random, const GoOn& go_on);
+    void follow(bool outward, Random& random, const GoOn& go_on);
 
 private:
+    static constexpr int kUnmet = 1 << 30;
+
     struct Pass {
         Side side;
         int from;
@@ -57,13 +59,12 @@ private:
         int previous; // -1: none
         /// Passes before it on the chain.
         int depth;
-        /// Index of the label where the chain begins.
+        /// Which of the sub-meshes that are off the chain begins at.
         int begin;
     };
 
     void find(const std::vector<int>& labels, bool outward, const GoOn& go_on);
     void plan_from(int label, bool outward, int previous, int begin);
-    void pass_face(int face, int from, int to);
     void forget(const std::vector<int>& labels);
     bool is_on_chain(int label, int face, int last) const;
     void make(int last);
@@ -82,7 +83,6 @@ private:
     std::vector<int> ends_;
     std::vector<Side> sides_;
     std::vector<std::uint8_t> is_planned_;
-    static constexpr int kUnmet = 1 << 30;
     /// Of the passes that meet a sub-mesh, the least depth.
     std::vector<int> first_depth_;
     /// Faces that a sub-mesh gets from these chains, or gives to them.

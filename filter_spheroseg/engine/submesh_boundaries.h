@@ -57,6 +57,17 @@ public:
         }
     }
 
+    /// Makes that of `face` from sub-mesh `from` to `to`.
+    void pass(int face, int from, int to) {
+        Move move;
+        move.faces[0] = face;
+        move.face_count = 1;
+        move.from = from;
+        move.to = to;
+        move.weight = patchwork_.weight(face);
+        commit(move);
+    }
+
 private:
     void list(int face, int label) {
         std::vector<int>& faces = faces_of_[label];

@@ -12,23 +12,13 @@ using namespace test;
 
 struct ChainsOf {
     explicit ChainsOf(Patchwork& from)
-        : patchwork(from), boundaries(from), even(even_loads(from)),
-          chains(from, boundaries, even) {}
+        : boundaries(from), chains(from, boundaries, even_loads(from)) {}
 
     void follow(bool outward, const PlannedChains::GoOn& go_on) {
-        std::vector<int> labels;
-        for (int l = 0; l < patchwork.submesh_count(); ++l) {
-            const int load = patchwork.load[l];
-            if (outward ? load > even.ceiling : load < even.floor) {
-                labels.push_back(l);
-            }
-        }
-        chains.follow(labels, outward, random, go_on);
+        chains.follow(outward, random, go_on);
     }
 
-    Patchwork& patchwork;
     SubmeshBoundaries boundaries;
-    EvenLoads even;
     PlannedChains chains;
     Random random{1};
 };

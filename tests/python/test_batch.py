@@ -390,6 +390,17 @@ def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
     assert "add --resume" in capsys.readouterr().err
 
 
+def test_a_mesh_that_is_absent_fails_beside_others_and_with_resume(tmp_path, capsys):
+    write_mesh(tmp_path / "a.ply")
+    gone = str(tmp_path / "gone.ply")
+    output = ["-o", str(tmp_path / "out"), "-k", "3"]
+    assert main(["batch", gone, str(tmp_path / "a.ply"), *output]) == 1
+    assert f"failed: {gone}: no such file\n" in capsys.readouterr().err
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed", "done"]
+    assert main(["batch", gone, *output, "--resume"]) == 1
+    assert f"failed: {gone}: no such file\n" in capsys.readouterr().err
+
+
 def test_a_run_without_a_result_leaves_the_folder_free(tmp_path, capsys):
     output = ["-o", str(tmp_path / "out"), "-k", "3"]
     (tmp_path / "torn.ply").write_text("ply\n")
