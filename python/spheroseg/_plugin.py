@@ -100,7 +100,8 @@ def apply_filter(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, A
 
     Nothing is left behind by a failed call. A filter that a Ctrl-C has cancelled
     (filter_spheroseg/interrupt.h) ends with what the handler of the signal raises, or with
-    KeyboardInterrupt where that raises nothing. Raises PluginError where it would never end.
+    KeyboardInterrupt where that raises nothing. Raises InputError where a parameter has a type or
+    size that PyMeshLab does not take, PluginError where the filter would never end.
     """
     with _one_at_a_time:
         if parameters.get("thread_count") != 1:
@@ -117,6 +118,26 @@ def apply_filter(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, A
             if _CANCELLED in str(error):
                 raise KeyboardInterrupt from None
             raise
+        except RuntimeError:
+            forget_failed_call()
+            misfits = _misfits(mesh_set, name, parameters)
+            if not misfits:
+                raise
+            raise InputError("; ".join(misfits)) from None
+
+
+def _misfits(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, Any]) -> list[str]:
+    """What is wrong with parameters that PyMeshLab can not convert; its own error names none."""
+    kinds = {int: "a whole number of 32 bits", float: "a number", bool: "a bool", str: "a string"}
+    defaults = mesh_set.filter_parameter_values(name)
+    misfits = []
+    for key, value in parameters.items():
+        try:
+            mesh_set.filter_parameter_values(name, **{key: value})
+        except RuntimeError:
+            kind = kinds[type(defaults[key])]
+            misfits.append(f"{key} must be {kind}, got {value!r} (see help(MeshSet.{name}))")
+    return misfits
 
 
 def _refuse_after_fork() -> None:

@@ -77,6 +77,26 @@ def test_the_methods_work_as_the_manual_shows(sample_arrays):
     )
 
 
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"submesh_count": 12 / 4, "seed": 1}, r"^submesh_count must be a whole .*, got 3\.0"),
+        ({"submesh_count": 2**40}, r"^submesh_count must be .* of 32 bits, got 10995"),
+        ({"seed": "one", "colorize": "no"}, r"^seed must .* got 'one' .*; colorize must be a"),
+        ({"submesh_count": 3, "time_limit_seconds": "1"}, r"^time_limit_seconds must be a number"),
+        ({"weight_attribute": 3}, r"^weight_attribute must be a string, got 3"),
+        ({"method": 0.5, "effort": "high"}, r"^method must be .*, got 0\.5"),
+    ],
+)
+def test_parameters_of_a_wrong_type_are_named_and_the_mesh_is_left_alone(cube, parameters, message):
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(*cube))
+    with pytest.raises(spheroseg.InputError, match=message):
+        mesh_set.compute_scalar_by_balanced_segmentation_per_face(**parameters)
+    assert not mesh_set.current_mesh().has_face_scalar()
+    assert not mesh_set.current_mesh().has_face_color()
+
+
 @pytest.mark.parametrize("name", SMALL_SAMPLES)
 @pytest.mark.parametrize("submesh_count", [1, 7, 12])
 def test_labels_are_balanced_for_any_k_and_measured_rightly(sample_arrays, name, submesh_count):
