@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "planned_chains.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace spheroseg {
@@ -24,12 +23,8 @@ void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoO
     passes_.clear();
     ends_.clear();
     work_ = 0;
-    const auto label_count = static_cast<int>(labels.size());
-    for (int label : labels) {
-        first_depth_[label] = 0;
-    }
-    for (int i = 0; i < label_count; ++i) {
-        plan_from(labels[i], outward, -1, i);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        plan_from(labels[i], outward, -1, static_cast<int>(i));
     }
     std::vector<std::uint8_t> is_found(labels.size(), 0);
     const auto end_of = [outward](const Pass& pass) { return outward ? pass.to : pass.from; };
@@ -51,59 +46,37 @@ void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoO
             boundaries_.pass(pass.side.face, pass.to, pass.from);
         }
     }
-    forget(labels);
+    forget();
 }
 
 /// Leaves no marks of the search, but its result.
-void PlannedChains::forget(const std::vector<int>& labels) {
-    for (int label : labels) {
-        first_depth_[label] = kUnmet;
-    }
+void PlannedChains::forget() {
     for (const Pass& pass : passes_) {
         is_planned_[3 * pass.side.face + pass.side.corner] = 0;
-        for (int label : {pass.from, pass.to}) {
-            first_depth_[label] = kUnmet;
-            promised_[label] = 0;
-        }
+        promised_[pass.from] = 0;
+        promised_[pass.to] = 0;
     }
 }
 
-/// Plans every allowed pass out of (or into) a sub-mesh that is not planned yet.
+/// Plans every allowed pass out of (or into) a sub-mesh that is not planned yet; not of the face of
+/// the pass before it, which is made only while this is planned.
 void PlannedChains::plan_from(int label, bool outward, int previous, int begin) {
     work_ += boundaries_.listed_count(label);
     sides_.clear();
     boundaries_.for_each_side(label, [&](int face, int c, int) {
         sides_.push_back(passing_side(patchwork_, face, c, outward));
     });
-    const int depth = previous < 0 ? 0 : passes_[previous].depth + 1;
+    const int last_face = previous < 0 ? -1 : passes_[previous].side.face;
     const std::size_t count = sides_.size();
     for (std::size_t i = 0; i < count; ++i) {
         const Side& side = sides_[(i + turn_) % count];
         std::uint8_t& is_planned = is_planned_[3 * side.face + side.corner];
         Move move;
-        if (!is_planned && is_allowed(side, move) &&
-            !is_on_chain(outward ? move.to : move.from, side.face, previous)) {
+        if (!is_planned && side.face != last_face && is_allowed(side, move)) {
             is_planned = 1;
-            passes_.push_back({side, move.from, move.to, previous, depth, begin});
-            int& first_depth = first_depth_[outward ? move.to : move.from];
-            first_depth = std::min(first_depth, depth);
+            passes_.push_back({side, move.from, move.to, previous, begin});
         }
     }
-}
-
-/// A chain that ends with the pass `last` has met the sub-mesh, or moves the face with that pass.
-/// Passes that are not as deep as the first one that met the sub-mesh did not meet it; and a face
-/// that was moved before lies in a sub-mesh of the chain, as `last` alone is made.
-bool PlannedChains::is_on_chain(int label, int face, int last) const {
-    if (last >= 0 && passes_[last].side.face == face) {
-        return true;
-    }
-    for (int i = last; i >= 0 && passes_[i].depth >= first_depth_[label]; i = passes_[i].previous) {
-        if (passes_[i].from == label || passes_[i].to == label) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /// Makes the passes of the chain that ends with this one, as far as they are still allowed.

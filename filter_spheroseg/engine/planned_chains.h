@@ -38,35 +38,28 @@ public:
 
     PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
         : patchwork_(patchwork), boundaries_(boundaries), even_(even),
-          is_planned_(3 * patchwork.cells.size(), 0),
-          first_depth_(patchwork.submesh_count(), kUnmet), promised_(patchwork.submesh_count(), 0) {
-    }
+          is_planned_(3 * patchwork.cells.size(), 0), promised_(patchwork.submesh_count(), 0) {}
 
     /// Makes a short chain from each of the sub-meshes with too many faces (`outward`), or to each
     /// of those with too few. They are found breadth first over the sides of the mesh, from all of
     /// these at the same time, so that each side is met once; ties are broken by `random`. A chain
-    /// may break where another one was made before it; then its face stays on the way. All
-    /// sub-meshes stay connected and free of bowties.
+    /// may break where another one was made before it, or where it comes back to a sub-mesh; then
+    /// its face stays on the way. All sub-meshes stay connected and free of bowties.
     void follow(bool outward, Random& random, const GoOn& go_on);
 
 private:
-    static constexpr int kUnmet = 1 << 30;
-
     struct Pass {
         Side side;
         int from;
         int to;
         int previous; // -1: none
-        /// Passes before it on the chain.
-        int depth;
         /// Which of the sub-meshes that are off the chain begins at.
         int begin;
     };
 
     void find(const std::vector<int>& labels, bool outward, const GoOn& go_on);
     void plan_from(int label, bool outward, int previous, int begin);
-    void forget(const std::vector<int>& labels);
-    bool is_on_chain(int label, int face, int last) const;
+    void forget();
     void make(int last);
     bool is_allowed(const Side& side, Move& move) const {
         return describe_single(patchwork_, side.face, side.corner, move) &&
@@ -83,8 +76,6 @@ private:
     std::vector<int> ends_;
     std::vector<Side> sides_;
     std::vector<std::uint8_t> is_planned_;
-    /// Of the passes that meet a sub-mesh, the least depth.
-    std::vector<int> first_depth_;
     /// Faces that a sub-mesh gets from these chains, or gives to them.
     std::vector<int> promised_;
 };

@@ -43,6 +43,31 @@ TEST(PlannedChains, OneSearchRelievesManySubmeshesAndLeavesAllSound) {
     }
 }
 
+// In a strip of triangles, pairs but for three at one end and one at the other, the only chain
+// leads through all of them.
+TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
+    constexpr int kSubmeshes = 1000;
+    TriangleMesh strip;
+    std::vector<int> labels;
+    for (int i = 0; i < 2 * kSubmeshes; ++i) {
+        strip.faces.push_back(i % 2 == 0 ? Triangle{i, i + 1, i + 2} : Triangle{i + 1, i, i + 2});
+        labels.push_back(i == 0 ? 0 : (i - 1) / 2);
+    }
+    for (std::size_t i = 0; i < strip.faces.size() + 2; ++i) {
+        strip.positions.push_back({0.5 * static_cast<double>(i), static_cast<double>(i % 2), 0.0});
+    }
+    const Levels levels(strip);
+    for (bool outward : {true, false}) {
+        Patchwork patchwork = levels.multilevel.coarsen(2 * kSubmeshes, kSubmeshes);
+        levels.multilevel.set_labels(patchwork, labels);
+        ASSERT_EQ(imbalance(patchwork), 2);
+        ChainsOf chains(patchwork);
+        chains.follow(outward, [](std::int64_t) { return true; });
+        EXPECT_EQ(imbalance(patchwork), 0);
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    }
+}
+
 TEST(PlannedChains, ASearchThatIsEndedMakesWhatItFound) {
     const Levels levels(displaced_sphere(3));
     Patchwork patchwork = ragged_patchwork(levels, levels.mesh.face_count() / 3, 1);
