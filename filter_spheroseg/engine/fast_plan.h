@@ -29,6 +29,10 @@ public:
     void set_effort(Effort effort);
     const Schedules& schedules() const { return schedules_; }
 
+    /// Do balanced sub-meshes have one or two faces? All such labels have as many boundary edges,
+    /// so that every effort is a draft.
+    bool are_single_or_pairs() const;
+
     /// How many starts are made, of which the best result is kept. Where there is only one level, a
     /// single one that takes as long is better; but by weight it is the balance that differs.
     int start_count() const { return start_count_; }
@@ -58,10 +62,6 @@ public:
     double cost_of_rounds() const;
 
 private:
-    /// Do balanced sub-meshes have one or two faces? All such labels have as many boundary edges,
-    /// so that no effort finds shorter ones.
-    bool are_single_or_pairs() const;
-
     int face_count_;
     int submesh_count_;
     bool by_weight_;

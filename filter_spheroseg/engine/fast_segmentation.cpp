@@ -205,9 +205,10 @@ private:
 
     /// `high` that runs out of time is cut short while it still melts boundaries. Then the result
     /// of `standard`, which takes a small part of its time, is better. Nothing where it is
-    /// not needed, or not valid.
+    /// not needed, no other, or not valid.
     std::optional<ComponentResult> make_reserve() {
-        if (options_.effort != Effort::high || options_.time_limit_seconds <= 0.0) {
+        if (options_.effort != Effort::high || options_.time_limit_seconds <= 0.0 ||
+            plan_.are_single_or_pairs()) {
             return std::nullopt;
         }
         SegmentOptions quick = options_;

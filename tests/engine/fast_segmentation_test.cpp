@@ -115,6 +115,30 @@ TEST(Fast, NoEffortIsSpentOnPairsOfTriangles) {
     }
 }
 
+/// How often the step comes after another one.
+int times_begun(PreparedMesh& prepared, const SegmentOptions& options, const std::string& wanted) {
+    int times = 0;
+    std::string last;
+    segment(prepared, options, [&](double, const char* step) {
+        times += step == wanted && last != wanted;
+        last = step;
+        return true;
+    });
+    return times;
+}
+
+TEST(Fast, HighKeepsNoReserveOfWhatIsADraftAnyway) {
+    const TriangleMesh mesh = displaced_sphere(2);
+    PreparedMesh prepared(mesh, 1);
+    for (const auto& [faces_each, reserves] : {std::pair{4, 1}, std::pair{2, 0}}) {
+        SegmentOptions options = fast_options(mesh.face_count() / faces_each, Effort::high);
+        const int without_limit = times_begun(prepared, options, "Exchanges");
+        EXPECT_GE(without_limit, 1);
+        options.time_limit_seconds = 1000.0;
+        EXPECT_EQ(times_begun(prepared, options, "Exchanges"), without_limit + reserves);
+    }
+}
+
 /// An open tube of `rings` rings of three squares, two triangles each.
 TriangleMesh tube_of_squares(int rings) {
     TriangleMesh mesh;
