@@ -89,7 +89,8 @@ def _fed(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen
 def start(module: str, stderr: IO | int) -> subprocess.Popen:
     """Starts `python -m module`, which calls `end_with` its argument; a pipe each way, of text."""
     return subprocess.Popen(
-        [sys.executable, "-m", module, str(os.getpid())],
+        # -P: no module of the folder where the command runs, whatever its name.
+        [sys.executable, "-P", "-m", module, str(os.getpid())],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=stderr,
