@@ -44,8 +44,11 @@ _STL_SAMPLE_BYTES = 1000
 
 def check_is_file(path: Path) -> None:
     """Raises InputError where there is no file."""
-    if not path.is_file():
-        raise InputError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
+    if path.is_file():
+        return
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder")
+    raise InputError(f"{path}: {'is no ordinary file' if path.exists() else 'no such file'}")
 
 
 def check_name(path: Path) -> None:

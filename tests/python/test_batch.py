@@ -390,6 +390,48 @@ def test_earlier_results_are_not_overwritten_unasked(tmp_path, capsys):
     assert "add --resume" in capsys.readouterr().err
 
 
+def test_a_pipe_is_refused_and_not_waited_for(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    pipe = tmp_path / "pipe.ply"
+    os.mkfifo(pipe)
+    for more in ([], ["--resume"]):
+        process = start_batch(pipe, tmp_path / "a.ply", "-o", tmp_path / "out", "-k", 3, *more)
+        try:
+            _, complained = process.communicate(timeout=60)
+        finally:
+            process.kill()
+        assert process.returncode == 1
+        assert f"failed: {pipe}: is no ordinary file\n" in complained
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed", "done"]
+
+
+def test_a_folder_that_can_not_be_read_is_an_error_and_not_left_out(tmp_path, monkeypatch):
+    write_mesh(tmp_path / "a.ply")
+    locked = tmp_path / "locked"
+    locked.mkdir()
+    scan = os.scandir
+
+    def guarded(path):
+        if Path(path) == locked:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return scan(path)
+
+    assert len(inputs.collect([str(tmp_path)])) == 1
+    monkeypatch.setattr(os, "scandir", guarded)  # root may read all
+    with pytest.raises(InputError, match="locked: the folder can not be read .Permission denied"):
+        inputs.collect([str(tmp_path)])
+
+
+def test_modules_of_the_current_folder_are_not_run(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    for name in ("numbers", "json", "numpy"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+    command = [sys.executable, "-P", "-m", "spheroseg", "batch", "a.ply", "-o", "out", "-k", "3"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert not (tmp_path / "ran").exists()
+
+
 def test_a_mesh_that_is_absent_fails_beside_others_and_with_resume(tmp_path, capsys):
     write_mesh(tmp_path / "a.ply")
     gone = str(tmp_path / "gone.ply")

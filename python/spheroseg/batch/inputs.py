@@ -67,7 +67,7 @@ def _place(mesh: Path) -> Path:
 def _expand(text: str, results: _Results | None):
     path = Path(text)
     if path.is_dir():
-        for mesh in sorted(path.rglob("*")):
+        for mesh in sorted(_below(path)):
             is_mesh = mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file()
             if is_mesh and not (_is_result(mesh, path, results) or atomic.is_temporary(mesh)):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
@@ -81,6 +81,16 @@ def _expand(text: str, results: _Results | None):
                     yield source if source.long_name else _with_long_name(source, searched)
     else:
         yield Source(path, path.stem)
+
+
+def _below(folder: Path):
+    """The files in a folder and its sub-folders; InputError where one can not be read."""
+
+    def refuse(error: OSError):
+        raise InputError(f"{error.filename}: the folder can not be read ({error.strerror})")
+
+    for parent, _, names in os.walk(folder, onerror=refuse):
+        yield from (Path(parent, name) for name in names)
 
 
 def _is_result(path: Path, searched: Path, results: _Results | None) -> bool:

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from spheroseg import __version__, atomic, plugin_path, workers
+from spheroseg.errors import InputError
+from spheroseg.file_checks import check_is_file
 
 FORMATS = (".ply", ".npy", ".npz", ".glb")
 RECORD_FOLDER = ".records"
@@ -57,6 +59,8 @@ def shown(path: str | Path) -> str:
 
 
 def sha256(path: Path) -> str:
+    """Raises InputError where that is no file: a pipe or a device may be read without end."""
+    check_is_file(path)
     with Path(path).open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
@@ -202,5 +206,5 @@ def undone_record(job: Job, error: str) -> dict[str, Any]:
 def _digest_of_input(job: Job) -> str | None:
     try:
         return sha256(Path(job.mesh))
-    except OSError:
+    except (InputError, OSError):
         return None
