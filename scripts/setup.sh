@@ -29,6 +29,10 @@ gui) packages=("${run_packages[@]}" "${dev_packages[@]}" "${gui_packages[@]}") ;
     ;;
 esac
 
+# One at a time, as with `make -j`.
+exec 9<"${BASH_SOURCE[0]}"
+if command -v flock >/dev/null; then flock 9; fi
+
 name_packages_and_stop() {
     cat >&2 <<END
 setup: $1
@@ -71,7 +75,7 @@ if [ -z "${SPHEROSEG_SKIP_PACKAGES:-}" ]; then
 fi
 
 python="${PYTHON:-python3}"
-if [ ! -x "$venv/bin/python" ]; then
+if [ ! -x "$venv/bin/pip" ]; then # which comes last
     "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
         say "$python is older than 3.11; set PYTHON to a later one" >&2
         exit 1
@@ -93,8 +97,13 @@ if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
 fi
 if [ ! -L "$venv" ]; then
     # The package runs from the checkout: no second installation that could grow stale.
-    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-    echo "$root/python" >"$site/spheroseg-checkout.pth"
+    # By a relative path: with LC_ALL=C Python dies of letters beyond ASCII there.
+    "$venv/bin/python" - "$root/python" <<'END'
+import os, pathlib, sys, sysconfig
+site = sysconfig.get_path("purelib")
+path = os.path.relpath(sys.argv[1], site)
+pathlib.Path(site, "spheroseg-checkout.pth").write_text(path + "\n")
+END
     install -m 755 "$root/scripts/spheroseg.sh" "$venv/bin/spheroseg"
 fi
 

@@ -4,6 +4,7 @@
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -89,6 +90,31 @@ def test_the_command_runs_where_the_path_has_a_blank(tmp_path):
     (tmp_path / "link").symlink_to(command)
     done = run(tmp_path / "link", "measure", "a mesh.ply")
     assert done.stdout == "-P -m spheroseg measure a mesh.ply\n"
+
+
+def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(
+    tmp_path,
+):
+    checkout = tmp_path / "ünï"
+    for folder in ("scripts", "requirements"):
+        shutil.copytree(ROOT / folder, checkout / folder)
+    for file in (checkout / "requirements").iterdir():
+        file.write_text("")
+    (checkout / "python" / "found_package").mkdir(parents=True)
+    fetch = checkout / "scripts" / "fetch_meshlab_headers.sh"
+    fetch.write_text("#!/bin/sh\n")
+    (checkout / ".venv" / "bin").mkdir(parents=True)
+    (checkout / ".venv" / "bin" / "python").symlink_to(sys.executable)
+    environment = {**os.environ, "SPHEROSEG_SKIP_PACKAGES": "1", "PYTHON": sys.executable}
+    done = run(checkout / "scripts" / "setup.sh", "run", env=environment)
+    assert done.returncode == 0, done.stderr
+    found = run(
+        checkout / ".venv" / "bin" / "python",
+        "-c",
+        "import pip, found_package",
+        env={**os.environ, "LC_ALL": "C"},
+    )
+    assert found.returncode == 0, found.stderr
 
 
 def test_set_up_rejects_an_unknown_level():
