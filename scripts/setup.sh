@@ -68,7 +68,7 @@ install_packages() {
 
 if [ -z "${SPHEROSEG_SKIP_PACKAGES:-}" ]; then
     if command -v apt-get >/dev/null && command -v dpkg-query >/dev/null; then
-        install_packages
+        install_packages 9<&- # no service that a package starts keeps the lock
     else
         name_packages_and_stop "this system has no apt"
     fi

@@ -92,9 +92,7 @@ def test_the_command_runs_where_the_path_has_a_blank(tmp_path):
     assert done.stdout == "-P -m spheroseg measure a mesh.ply\n"
 
 
-def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(
-    tmp_path,
-):
+def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(tmp_path):
     checkout = tmp_path / "ünï"
     for folder in ("scripts", "requirements"):
         shutil.copytree(ROOT / folder, checkout / folder)

@@ -61,7 +61,7 @@ def shown(path: str | Path) -> str:
 def sha256(path: Path) -> str:
     """Raises InputError where that is no file: a pipe or a device may be read without end."""
     check_is_file(path)
-    with Path(path).open("rb") as stream:
+    with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 

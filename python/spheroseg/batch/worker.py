@@ -28,7 +28,6 @@ from spheroseg.batch.jobs import (
 )
 from spheroseg.errors import InputError, PluginError
 from spheroseg.export import glb_bytes, npz_bytes
-from spheroseg.file_checks import check_is_file
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
 from spheroseg.workers import end_with
@@ -72,7 +71,6 @@ def _check_versions(job: Job) -> None:
 
 def _record(job: Job) -> dict:
     began = time.perf_counter()
-    check_is_file(Path(job.mesh))
     digest = sha256(Path(job.mesh))
     mesh_set = mesh_files.read_mesh(job.mesh)
     options = job.options | {"thread_count": job.thread_count}
