@@ -7,10 +7,7 @@ it before `pymeshlab`: both orders work, but the other one is slow on a busy mac
 (docs/performance.md, "Busy machines").
 """
 
-import itertools
 import os
-import sys
-from pathlib import Path
 
 # Read once, when OpenMP's runtime is loaded, which PyMeshLab does: it works where this package is
 # imported first. Threads that spin for long while they wait cost a busy machine several times the
@@ -18,16 +15,26 @@ from pathlib import Path
 if os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive":
     os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
-from spheroseg._plugin import load_plugin, plugin_path
-from spheroseg.api import (
-    Parametrization,
-    Segmentation,
-    measure,
-    parametrize,
-    segment,
-)
-from spheroseg.errors import InputError, PluginError
-from spheroseg.install import install_plugin
+from spheroseg._command_line import ended_by_interrupt, is_command_line
+
+with ended_by_interrupt():
+    from spheroseg._plugin import load_plugin, plugin_path
+    from spheroseg.api import (
+        Parametrization,
+        Segmentation,
+        measure,
+        parametrize,
+        segment,
+    )
+    from spheroseg.errors import InputError, PluginError
+    from spheroseg.install import install_plugin
+
+    try:
+        load_plugin()
+    except PluginError:
+        # The command line can show its help without a plugin; what needs it says so itself.
+        if not is_command_line():
+            raise
 
 __version__ = "0.1.0"
 
@@ -43,20 +50,3 @@ __all__ = [
     "plugin_path",
     "segment",
 ]
-
-
-def _is_command_line() -> bool:
-    """Does this process run the program, or a module of this package?"""
-    name = Path(sys.argv[0]).name if sys.argv else ""
-    if name == "-m":  # only while Python looks for the module that it was told to run
-        words = itertools.dropwhile(lambda word: not word.startswith("-m"), sys.orig_argv)
-        name = next(words, "").removeprefix("-m") or next(words, "")
-    return name.partition(".")[0] == "spheroseg"
-
-
-try:
-    load_plugin()
-except PluginError:
-    # The command line can show its help without a plugin; what needs it says so itself.
-    if not _is_command_line():
-        raise

@@ -120,16 +120,10 @@ def _open_closed_streams() -> None:
 
 
 def _run(argv: Sequence[str] | None) -> int:
-    parser = build_parser()
-    arguments = parser.parse_args(argv)
-    if arguments.command is None:
-        parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
-    for name, value in vars(arguments).items():
-        # Mostly a variable of the shell that is not set.
-        if value == "" or (isinstance(value, list) and "" in value):
-            parser.error(f"{name.replace('_', '-')} is empty: name something, or leave it out")
-    program = f"spheroseg {arguments.command}"
+    program = "spheroseg"
     try:
+        arguments = _arguments(argv)
+        program = f"spheroseg {arguments.command}"
         return arguments.run(arguments)
     except (InputError, PluginError) as error:
         return _report(program, str(error))
@@ -145,6 +139,18 @@ def _run(argv: Sequence[str] | None) -> int:
     except KeyboardInterrupt:
         _report(program, "interrupted")
         return EXIT_INTERRUPTED
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = build_parser()
+    arguments = parser.parse_args(argv)
+    if arguments.command is None:
+        parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
+    for name, value in vars(arguments).items():
+        # Mostly a variable of the shell that is not set.
+        if value == "" or (isinstance(value, list) and "" in value):
+            parser.error(f"{name.replace('_', '-')} is empty: name something, or leave it out")
+    return arguments
 
 
 def _report(program: str, message: str) -> int:

@@ -13,6 +13,8 @@ import pymeshlab
 from spheroseg import mesh_files, workers
 from spheroseg.errors import InputError
 
+_BUFFER = 65536  # at least that of a C library's stream
+
 
 def prepare(_: workers.Message) -> tuple[workers.Message, Callable]:
     """See `workers.serve`."""
@@ -20,16 +22,30 @@ def prepare(_: workers.Message) -> tuple[workers.Message, Callable]:
 
 
 def _copy(task: workers.Message) -> workers.Message:
+    copy = Path(task["copy"])
     try:
         mesh_set = mesh_files.load(Path(task["mesh"]))
-        try:
-            mesh_set.save_current_mesh(task["copy"], save_textures=True)
-        except pymeshlab.PyMeshLabException:
-            # A texture inside a file may have a name under which no picture can be saved.
-            mesh_set.save_current_mesh(task["copy"], save_textures=False, save_wedge_texcoord=False)
-    except (InputError, MemoryError, pymeshlab.PyMeshLabException) as error:
+        _save(mesh_set, copy)
+    except (InputError, MemoryError) as error:
         return {"refused": workers.explained(error)}
+    except (OSError, pymeshlab.PyMeshLabException) as error:
+        place = copy.parent.parent
+        return {
+            "refused": f"{task['mesh']}: no copy of it, which is read in its place, can be written "
+            f"to {place}; is the disk full? Make room, or let the environment variable TMPDIR name "
+            f"another folder ({workers.explained(error)})"
+        }
     return {}
+
+
+def _save(mesh_set: pymeshlab.MeshSet, copy: Path) -> None:
+    try:
+        mesh_set.save_current_mesh(str(copy), save_textures=True)
+    except pymeshlab.PyMeshLabException:
+        # A texture inside a file may have a name under which no picture can be saved.
+        mesh_set.save_current_mesh(str(copy), save_textures=False, save_wedge_texcoord=False)
+    # MeshLab's writer does not tell when the last bytes, of its buffer, find no room.
+    copy.with_name("room").write_bytes(bytes(_BUFFER))
 
 
 if __name__ == "__main__":

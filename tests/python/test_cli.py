@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import pymeshlab
@@ -267,6 +268,23 @@ def test_a_full_disk_is_an_error_and_spoils_no_file(run, small_disk, command, op
     assert sorted(path.name for path in small_disk.iterdir()) == sorted(
         {"filler", "mesh.ply", name}
     )
+
+
+def test_a_copy_that_finds_no_room_is_no_damaged_mesh(run, small_disk, tmp_path, monkeypatch):
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.create_sphere(subdiv=4)
+    mesh_set.save_current_mesh(str(tmp_path / "ball.dae"))
+    mesh_set.save_current_mesh(str(tmp_path / "ball.ply"))
+    monkeypatch.setattr(tempfile, "tempdir", str(small_disk))
+    assert run("segment", tmp_path / "ball.dae", "-k", "2", "-q") == (0, "", "")
+    room = (tmp_path / "ball.ply").stat().st_size
+    for less in (room // 2, 1):  # MeshLab's writer tells of the first, but not of the second
+        (small_disk / "filler").write_bytes(bytes(256 * 1024 - room + less))
+        code, _, errors = run("segment", tmp_path / "ball.dae", "-k", "2")
+        assert (code, errors.count("\n")) == (2, 1)
+        assert errors.startswith(f"spheroseg segment: {tmp_path / 'ball.dae'}: no copy of it")
+        assert f" can be written to {small_disk}; is the disk full? " in errors
+        assert [path.name for path in small_disk.iterdir()] == ["filler"]
 
 
 def test_split_on_a_full_disk_leaves_nothing(run, small_disk):

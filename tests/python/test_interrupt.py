@@ -182,6 +182,45 @@ def test_command_line_ends_with_one_line_and_writes_nothing(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["mesh.ply"]
 
 
+# Ctrl-C comes when a module is about to be imported.
+STARTING = """
+import os, signal, sys
+
+class Interrupter:
+    def find_spec(self, name, *_):
+        if name == sys.argv[1]:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupter())
+sys.argv[0] = sys.argv[2]
+from spheroseg import cli
+sys.exit(cli.main(["segment", "mesh.ply"]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "program", "code", "said"),
+    [
+        ("pymeshlab", "spheroseg", -signal.SIGINT, ""),
+        ("spheroseg.commands.segment", "spheroseg", 130, "spheroseg: interrupted\n"),
+        # It is for the other program to say what an interrupt is.
+        ("pymeshlab", "other.py", -signal.SIGINT, "KeyboardInterrupt\n"),
+    ],
+)
+def test_a_program_that_starts_is_interrupted_without_a_traceback(module, program, code, said):
+    done = subprocess.run(
+        [sys.executable, "-c", STARTING, module, program],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    last_line = "".join(done.stderr.splitlines(keepends=True)[-1:])
+    assert (done.returncode, last_line) == (code, said)
+    assert ("Traceback" in done.stderr) == (program == "other.py")
+
+
 def test_split_leaves_no_file_and_no_folder(tmp_path):
     vertices, faces = bumpy_sphere(5, 0)
     (tmp_path / "mesh.ply").write_bytes(ply_bytes(vertices, faces))
