@@ -4,11 +4,14 @@ from __future__ import annotations
 import errno
 import math
 import os
+import shutil
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 import recount
+from processes import run_python
 from shapes import octahedron, subdivided_sphere
 
 pytest.importorskip("matplotlib")
@@ -16,6 +19,7 @@ pytest.importorskip("pymetis")
 pytest.importorskip("kaminpar")
 pytest.importorskip("mtkahypar")
 
+import spheroseg
 from spheroseg import api
 from spheroseg.bench import __main__ as program
 from spheroseg.bench import document, meshes, methods, records
@@ -311,11 +315,17 @@ def test_the_document_names_the_machine_of_the_rows(tmp_path, monkeypatch):
     assert environment.surroundings()["memory"] in (tmp_path / "benchmarks.md").read_text()
 
 
-def test_an_installation_without_a_checkout_is_refused(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(program, "REPOSITORY", tmp_path)
-    assert program.main([]) == 2
-    assert "is no part of a checkout" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+def test_an_installation_without_a_checkout_is_refused(tmp_path):
+    installed = tmp_path / "site-packages"
+    shutil.copytree(Path(spheroseg.__file__).parent, installed / "spheroseg")
+    (installed / "matplotlib.py").write_text("raise ImportError('is not installed')")
+    done = run_python(
+        *("-P", "-m", "spheroseg.bench"),
+        PYTHONPATH=str(installed),
+        SPHEROSEG_PLUGIN=str(spheroseg.plugin_path()),
+    )
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert f"{installed / 'spheroseg' / 'bench'} is no part of a checkout" in done.stderr
 
 
 def test_earlier_rows_are_there_until_the_kept_ones_are(tmp_path, monkeypatch):

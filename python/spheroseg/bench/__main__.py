@@ -10,7 +10,7 @@ from pathlib import Path
 
 from spheroseg import PluginError, load_plugin, workers
 from spheroseg.batch.jobs import plugin_digest
-from spheroseg.bench import document, meshes, records
+from spheroseg.bench import meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
 from spheroseg.bench.runner import row_of, run_mesh
 from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars
@@ -35,6 +35,8 @@ def main(arguments: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+    from spheroseg.bench import document  # needs packages that come with a checkout's set-up
+
     if not options.report_only:
         load_plugin()
     found, reasons = meshes.available(options.samples, options.more_meshes)
