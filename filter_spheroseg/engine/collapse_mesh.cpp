@@ -212,6 +212,12 @@ void share_weight(CollapseMesh& mesh, const int* ring, const int* faces, int deg
     add_to_vertex(mesh, ring[0], degree - 4, kept_weight);
 }
 
+/// Another star may do the same for the vertex: one face is as good as the other.
+void set_face(CollapseMesh& mesh, int v, int f) {
+#pragma omp atomic write
+    mesh.vertices[v].face = f;
+}
+
 void apply_collapse(CollapseMesh& mesh, const CollapseRound& round, const Seam& seam, int i) {
     const int v = round.vertex[i];
     const int t = round.target[i];
@@ -230,6 +236,9 @@ void apply_collapse(CollapseMesh& mesh, const CollapseRound& round, const Seam& 
     for (int j = 1; j + 1 < degree; ++j) {
         mesh.faces[faces[j]].vertices[mesh.corner_of(faces[j], v)] = t;
     }
+    set_face(mesh, t, heirs[0]);
+    set_face(mesh, ring[1], heirs[0]);
+    set_face(mesh, ring[degree - 1], heirs[1]);
 }
 
 } // namespace
@@ -291,9 +300,6 @@ void CollapseMesh::keep(const std::vector<int>& live_faces,
     was_fixed.swap(is_fixed);
     for_each_of(kept_vertices, thread_count, [&](int i) {
         Vertex& vertex = vertices[i] = old_vertices[live_vertices[i]];
-        while (old_faces[vertex.face].heir >= 0) {
-            vertex.face = old_faces[vertex.face].heir;
-        }
         vertex.face = new_face[vertex.face];
         is_fixed[i] = was_fixed[live_vertices[i]];
         names[i] = vertex_name(live_vertices[i]);

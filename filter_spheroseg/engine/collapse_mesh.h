@@ -19,7 +19,7 @@ struct CollapseMesh {
         int heir;
     };
     struct Vertex {
-        /// One of its faces; follow `heir` when that face is gone.
+        /// One of its faces. Which one, may depend on threads, and nothing depends on it.
         int face;
         int degree;
         /// Sum of the weights of its faces.

@@ -19,6 +19,11 @@ constexpr int kVerticesPerTask = 4096;
 struct Side {
     int other_vertex;
     int side;
+
+    bool operator<(const Side& other) const {
+        return other_vertex != other.other_vertex ? other_vertex < other.other_vertex
+                                                  : side < other.side;
+    }
 };
 
 void check_indices(const TriangleMesh& mesh) {
@@ -36,7 +41,7 @@ void check_indices(const TriangleMesh& mesh) {
 }
 
 /// The sides of all faces in one bucket per lower vertex: those of vertex v from begin[v] up to
-/// begin[v + 1]. Within a bucket in the order of the sides, so that nothing depends on threads.
+/// begin[v + 1].
 struct Buckets {
     std::vector<int> begin;
     std::vector<Side> sides;
@@ -107,9 +112,7 @@ DualGraph build_dual_graph(const TriangleMesh& mesh, int thread_count) {
     for (int v = 0; v < vertex_count; ++v) {
         const auto begin = buckets.sides.begin() + buckets.begin[v];
         const auto end = buckets.sides.begin() + buckets.begin[v + 1];
-        std::stable_sort(begin, end, [](const Side& a, const Side& b) {
-            return a.other_vertex < b.other_vertex;
-        });
+        std::sort(begin, end);
         for (auto run = begin; run != end;) {
             auto run_end = run;
             while (run_end != end && run_end->other_vertex == run->other_vertex) {

@@ -42,14 +42,15 @@ std::uint32_t mix(std::uint32_t x) {
     return x ^ (x >> 16);
 }
 
-enum : unsigned char { kOpen, kSelected, kClosed };
+/// Rank of a vertex that is not to be removed in the running round.
+constexpr std::uint64_t kClosed = std::numeric_limits<std::uint64_t>::max();
 
 class Builder {
 public:
     Builder(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count)
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
           face_count_(mesh.face_count()), keys_(mesh_.vertices.size()),
-          states_(mesh_.vertices.size(), kOpen), is_loser_(mesh_.vertices.size(), 0),
+          is_selected_(mesh_.vertices.size(), 0), is_loser_(mesh_.vertices.size(), 0),
           stuck_at_(mesh_.vertices.size(), -1), live_faces_(mesh_.faces.size()) {
         std::iota(live_faces_.begin(), live_faces_.end(), 0);
         for (int v = 0; v < static_cast<int>(mesh_.vertices.size()); ++v) {
@@ -82,9 +83,9 @@ private:
     CollapseMesh mesh_;
     int face_count_;
     std::vector<int> alive_;
-    /// Rank of a vertex in the running round: weight of its star, then a hash.
+    /// Rank of a vertex in the running round: weight of its star, then a hash; or closed.
     std::vector<std::uint64_t> keys_;
-    std::vector<unsigned char> states_;
+    std::vector<unsigned char> is_selected_;
     std::vector<unsigned char> is_loser_;
     /// The number of rounds done when a vertex had no target: until the next one it must not keep
     /// its neighbours from being removed.
@@ -94,7 +95,7 @@ private:
     CollapseHierarchy result_;
 };
 
-/// Sets keys and states; true when every vertex that is not fixed was admitted.
+/// Sets keys, and selects none; true when every vertex that is not fixed was admitted.
 bool Builder::rank_vertices(const Limits& limits) {
     const int count = static_cast<int>(alive_.size());
     const double mean_weight = 3.0 * face_count_ / count;
@@ -103,20 +104,19 @@ bool Builder::rank_vertices(const Limits& limits) {
     std::atomic<bool> complete{true};
     for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const int v = alive_[i];
-        CollapseMesh::Vertex& vertex = mesh_.vertices[v];
-        while (mesh_.faces[vertex.face].heir >= 0) {
-            vertex.face = mesh_.faces[vertex.face].heir;
-        }
+        const CollapseMesh::Vertex& vertex = mesh_.vertices[v];
         const bool fits = vertex.degree <= limits.max_degree &&
             vertex.weight <= limits.max_weight_ratio * mean_weight;
         const bool is_removable = mesh_.is_removable(v);
-        states_[v] =
-            fits && is_removable && stuck_at_[v] != result_.round_count() ? kOpen : kClosed;
         if (!fits && is_removable) {
             complete.store(false, std::memory_order_relaxed);
         }
-        const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
-        keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(mesh_.vertex_name(v)) ^ salt);
+        is_selected_[v] = 0;
+        keys_[v] = kClosed;
+        if (fits && is_removable && stuck_at_[v] != result_.round_count()) {
+            const std::uint64_t cost = static_cast<std::uint64_t>(vertex.weight * scale);
+            keys_[v] = cost << 32 | mix(static_cast<std::uint32_t>(mesh_.vertex_name(v)) ^ salt);
+        }
     });
     return complete;
 }
@@ -126,14 +126,9 @@ void Builder::mark_losers() {
     const int count = static_cast<int>(live_faces_.size());
     for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
-        int best = -1;
+        const std::uint64_t least = std::min({keys_[t[0]], keys_[t[1]], keys_[t[2]]});
         for (int v : t) {
-            if (states_[v] == kOpen && (best < 0 || keys_[v] < keys_[best])) {
-                best = v;
-            }
-        }
-        for (int v : t) {
-            if (v != best && states_[v] == kOpen) {
+            if (keys_[v] != least && keys_[v] != kClosed) {
 #pragma omp atomic write
                 is_loser_[v] = 1;
             }
@@ -146,9 +141,7 @@ void Builder::select_winners() {
     const int count = static_cast<int>(alive_.size());
     for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const int v = alive_[i];
-        if (states_[v] == kOpen && !is_loser_[v]) {
-            states_[v] = kSelected;
-        }
+        is_selected_[v] |= keys_[v] != kClosed && !is_loser_[v];
         is_loser_[v] = 0;
     });
 }
@@ -158,16 +151,11 @@ void Builder::cover_neighbors() {
     const int count = static_cast<int>(live_faces_.size());
     for_each_item(count, threads_for(threads_, count, kItemsPerThread), [&](int i) {
         const Triangle& t = mesh_.faces[live_faces_[i]].vertices;
-        std::array<unsigned char, 3> states;
-        for (int c = 0; c < 3; ++c) {
-#pragma omp atomic read
-            states[c] = states_[t[c]];
-        }
-        if (states[0] == kSelected || states[1] == kSelected || states[2] == kSelected) {
-            for (int c = 0; c < 3; ++c) {
-                if (states[c] == kOpen) {
+        if (is_selected_[t[0]] || is_selected_[t[1]] || is_selected_[t[2]]) {
+            for (int v : t) {
+                if (!is_selected_[v]) {
 #pragma omp atomic write
-                    states_[t[c]] = kClosed;
+                    keys_[v] = kClosed;
                 }
             }
         }
@@ -177,13 +165,15 @@ void Builder::cover_neighbors() {
 /// Puts an independent set of vertices into the round.
 void Builder::select_vertices() {
     for (int pass = 0; pass < kSelectionPasses; ++pass) {
+        if (pass > 0) {
+            cover_neighbors();
+        }
         mark_losers();
         select_winners();
-        cover_neighbors();
     }
     round_.vertex = alive_;
     keep_items(
-        round_.vertex, threads_for_items(alive_), [&](int v) { return states_[v] == kSelected; });
+        round_.vertex, threads_for_items(alive_), [&](int v) { return is_selected_[v]; });
 }
 
 /// Appends the round's collapses to the result; returns how many there are.
