@@ -172,8 +172,7 @@ void Builder::select_vertices() {
         select_winners();
     }
     round_.vertex = alive_;
-    keep_items(
-        round_.vertex, threads_for_items(alive_), [&](int v) { return is_selected_[v]; });
+    keep_items(round_.vertex, threads_for_items(alive_), [&](int v) { return is_selected_[v]; });
 }
 
 /// Appends the round's collapses to the result; returns how many there are.

@@ -6,10 +6,10 @@
 #include "threads.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace spheroseg {
@@ -18,6 +18,12 @@ namespace {
 
 /// Distance of two neighbouring faces; offsets are finer than that.
 constexpr int kStep = 8;
+
+/// An iteration takes several times as long per face as a plain loop.
+constexpr int kLeastFacesPerThread = kFacesPerThread / 2;
+/// Faces that fit in a core's own cache with all that belongs to them.
+constexpr int kFacesPerPart = 16384;
+constexpr int kMostParts = std::numeric_limits<std::uint16_t>::max();
 
 /// Where a wave reached a face: distance, then the sub-mesh that it came from. The order of the
 /// keys decides between two waves, never the order of arrival.
@@ -33,30 +39,36 @@ constexpr int label_of(Key key) {
     return static_cast<int>(key & 0xFFFFFFFF);
 }
 
+/// The faces sorted by label.
+std::vector<int> faces_by_label(const Patchwork& patchwork) {
+    std::vector<int> begin(patchwork.submesh_count() + 1, 0);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        ++begin[patchwork.label(f) + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<int> faces(patchwork.face_count());
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        faces[begin[patchwork.label(f)]++] = f;
+    }
+    return faces;
+}
+
 class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
         : patchwork_(patchwork),
-          workers_(threads_for(thread_count, patchwork.face_count(), kFacesPerThread)),
-          centers_(patchwork.submesh_count()), worker_of_label_(patchwork.submesh_count()),
-          offsets_(patchwork.submesh_count(), 0.0),
-          neighbors_(neighbor_table(patchwork, thread_count)), labels_(cell_labels(patchwork)),
-          distances_(patchwork.cells.size(), 0), inside_(patchwork.cells.size()),
-          keys_(patchwork.cells.size()) {
-        for (std::atomic<Key>& key : keys_) {
-            key.store(kUnreached, std::memory_order_relaxed);
-        }
+          thread_count_(threads_for(thread_count, patchwork.face_count(), kLeastFacesPerThread)),
+          parts_(part_count()), centers_(patchwork.submesh_count()),
+          part_of_label_(patchwork.submesh_count()), offsets_(patchwork.submesh_count(), 0.0),
+          faces_(faces_by_label(patchwork)), neighbors_(faces_.size()), weights_(faces_.size()),
+          labels_(faces_.size()), parts_of_faces_(faces_.size()), distances_(faces_.size(), 0),
+          inside_(faces_.size()), keys_(faces_.size(), kUnreached) {
         mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
             std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
-        for (int w = 0; w < static_cast<int>(workers_.size()); ++w) {
-            Worker& worker = workers_[w];
-            worker.load.resize(patchwork.submesh_count());
-            std::fill(worker_of_label_.begin() + begin_of(w, patchwork.submesh_count()),
-                      worker_of_label_.begin() + begin_of(w + 1, patchwork.submesh_count()),
-                      w);
-        }
+        lay_out_parts();
+        read_patchwork();
     }
 
     void run(int iterations, const AnnealControl& control) {
@@ -69,8 +81,8 @@ public:
             iterate();
             if (control.history) {
                 std::int64_t sides = 0;
-                for (const Worker& worker : workers_) {
-                    sides += worker.sides;
+                for (const Part& part : parts_) {
+                    sides += part.sides;
                 }
                 control.history->add(static_cast<double>(sides / 2), watch.elapsed_seconds());
             }
@@ -79,24 +91,45 @@ public:
 
     /// Labels the patchwork by what the iterations made.
     void finish() {
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            patchwork_.set_own_label(f, labels_[f]);
-        }
-        patchwork_.tell_neighbors(static_cast<int>(workers_.size()));
+        for_each_part([&](const Part& part) {
+            for (int f = part.first_face; f < part.end_face; ++f) {
+                patchwork_.set_own_label(faces_[f], labels_[f]);
+            }
+        });
+        patchwork_.tell_neighbors(thread_count_);
     }
 
 private:
-    /// What belongs to one thread: a range of faces for what is done face by face, a range of
-    /// labels for the waves.
-    struct Worker {
-        /// The first so many are the boundary faces of its range of faces.
+    struct Crossing {
+        int face;
+        Key key;
+    };
+
+    /// What one thread works on in its own cache, without meeting others: a range of faces for what
+    /// is done face by face, and a range of labels for the rest. At first these are about the same
+    /// faces, and they drift apart little.
+    struct Part {
+        int number = 0;
+        int first_face = 0;
+        int end_face = 0;
+        int first_label = 0;
+        int end_label = 0;
+        /// The first so many are boundary faces of its range that have its labels.
         std::vector<int> boundary;
         int boundary_count = 0;
+        /// Boundary faces of its range that have labels of other parts, and such of other ranges
+        /// that have labels of this one.
+        std::vector<int> strays;
+        std::vector<int> guests;
         /// Faces by distance, and where the distances change.
         std::vector<int> queue;
         std::vector<int> segments;
-        /// Distance at which the wave of a centre begins, and the centre.
+        /// Faces where waves begin, or go on, and at which distance.
         std::vector<std::pair<int, int>> starts;
+        /// Where waves left the part, and where others came in.
+        std::vector<Crossing> departures;
+        std::vector<Crossing> arrivals;
+        /// Of its labels.
         std::vector<int> load;
         std::int64_t sides = 0;
     };
@@ -109,11 +142,53 @@ private:
         std::uint64_t rank = 0;
     };
 
-    template <typename Work> void each_worker(Work work) {
-        const int worker_count = static_cast<int>(workers_.size());
+    int part_count() const {
+        const int count = std::max(thread_count_, patchwork_.face_count() / kFacesPerPart);
+        return std::clamp(count, 1, std::min(kMostParts, patchwork_.submesh_count()));
+    }
+
+    void lay_out_parts() {
+        const auto part_count = static_cast<int>(parts_.size());
+        for (int p = 0; p < part_count; ++p) {
+            Part& part = parts_[p];
+            part.number = p;
+            part.first_face = share_begin(p, part_count, patchwork_.face_count());
+            part.end_face = share_begin(p + 1, part_count, patchwork_.face_count());
+            part.first_label = share_begin(p, part_count, patchwork_.submesh_count());
+            part.end_label = share_begin(p + 1, part_count, patchwork_.submesh_count());
+            part.load.resize(part.end_label - part.first_label);
+            std::fill(part_of_label_.begin() + part.first_label,
+                      part_of_label_.begin() + part.end_label,
+                      p);
+        }
+    }
+
+    void read_patchwork() {
+        std::vector<int> places(faces_.size());
+        for_each_part([&](const Part& part) {
+            for (int f = part.first_face; f < part.end_face; ++f) {
+                places[faces_[f]] = f;
+            }
+        });
+        for_each_part([&](const Part& part) {
+            for (int f = part.first_face; f < part.end_face; ++f) {
+                for (int c = 0; c < 3; ++c) {
+                    const int neighbor = patchwork_.neighbor(faces_[f], c);
+                    neighbors_[f][c] = neighbor < 0 ? f : places[neighbor];
+                }
+                weights_[f] = patchwork_.weight(faces_[f]);
+                labels_[f] = patchwork_.label(faces_[f]);
+                parts_of_faces_[f] = part_of_label_[labels_[f]];
+            }
+        });
+    }
+
+    template <typename Work> void for_each_part(const Work& work) {
         ParallelFailure failure;
-        for_each_task(worker_count, worker_count, [&](int w) {
-            failure.guard([&] { work(workers_[w], w); });
+        for_each_share(static_cast<int>(parts_.size()), thread_count_, [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) {
+                failure.guard([&] { work(parts_[p]); });
+            }
         });
         failure.rethrow();
     }
@@ -121,64 +196,74 @@ private:
     void iterate() {
         ++iteration_;
         const double least = *std::min_element(offsets_.begin(), offsets_.end());
-        each_worker([&](Worker& worker, int w) { list_boundary(worker, w); });
-        each_worker([&](Worker& worker, int w) { find_centers(worker, w); });
-        each_worker([&](Worker& worker, int w) { grow(worker, w, least); });
-        each_worker([&](Worker& worker, int w) { take_labels(worker, w); });
-        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        for (const Worker& worker : workers_) {
-            for (std::size_t l = 0; l < offsets_.size(); ++l) {
-                patchwork_.load[l] += worker.load[l];
-            }
+        for_each_part([&](Part& part) { list_boundary(part); });
+        send_strays();
+        for_each_part([&](Part& part) {
+            find_centers(part);
+            begin_waves(part, least);
+        });
+        while (send_waves()) {
+            for_each_part([&](Part& part) { go_on_with_waves(part); });
         }
+        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
+        for_each_part([&](Part& part) { take_labels(part); });
         for (std::size_t l = 0; l < offsets_.size(); ++l) {
             offsets_[l] += 0.25 * radius_ * (patchwork_.load[l] / mean_load_ - 1.0);
         }
     }
 
-    int begin_of(int worker, int count) const {
-        return share_begin(worker, static_cast<int>(workers_.size()), count);
-    }
-
     /// Which faces are on the boundary can not be foreseen: all are appended, these are counted.
-    void list_boundary(Worker& worker, int w) {
-        const int first = begin_of(w, patchwork_.face_count());
-        const int end = begin_of(w + 1, patchwork_.face_count());
-        worker.boundary.resize(end - first);
+    void list_boundary(Part& part) {
+        part.boundary.resize(part.end_face - part.first_face);
+        part.strays.clear();
         int count = 0;
         std::int64_t sides = 0;
-        for (int f = first; f < end; ++f) {
+        for (int f = part.first_face; f < part.end_face; ++f) {
             const int label = labels_[f];
             int differing = 0;
             for (int neighbor : neighbors_[f]) {
                 differing += labels_[neighbor] != label;
             }
             inside_[f] = differing == 0;
-            worker.boundary[count] = f;
-            count += differing > 0;
             sides += differing;
+            if (parts_of_faces_[f] != part.number) {
+                if (differing > 0) {
+                    part.strays.push_back(f);
+                }
+                continue;
+            }
+            part.boundary[count] = f;
+            count += differing > 0;
         }
-        worker.boundary_count = count;
-        worker.sides = sides;
+        part.boundary_count = count;
+        part.sides = sides;
+    }
+
+    void send_strays() {
+        for (Part& part : parts_) {
+            part.guests.clear();
+        }
+        for (const Part& part : parts_) {
+            for (int face : part.strays) {
+                parts_[parts_of_faces_[face]].guests.push_back(face);
+            }
+        }
     }
 
     /// Finds a face of each sub-mesh that is farthest from its boundary. Among several it takes one
     /// that is farthest from the centre before, so that centres do not linger on their way; among
     /// these a random one, another one in each iteration: a fixed choice pulls all centres one way
     /// where faces are numbered regularly.
-    void find_centers(Worker& worker, int w) {
-        const int first = begin_of(w, patchwork_.submesh_count());
-        const int end = begin_of(w + 1, patchwork_.submesh_count());
-        sort_by_ring(worker, w);
-        std::fill(centers_.begin() + first, centers_.begin() + end, Center{});
-        auto left = std::count_if(patchwork_.load.begin() + first,
-                                  patchwork_.load.begin() + end,
+    void find_centers(Part& part) {
+        sort_by_ring(part);
+        std::fill(centers_.begin() + part.first_label, centers_.begin() + part.end_label, Center{});
+        auto left = std::count_if(patchwork_.load.begin() + part.first_label,
+                                  patchwork_.load.begin() + part.end_label,
                                   [](int load) { return load > 0; });
         // From the innermost ring outwards, until all have theirs.
-        for (int ring = static_cast<int>(worker.segments.size()) - 2; ring >= 0 && left > 0;
-             --ring) {
-            for (int i = worker.segments[ring]; i < worker.segments[ring + 1]; ++i) {
-                const int face = worker.queue[i];
+        for (int ring = static_cast<int>(part.segments.size()) - 2; ring >= 0 && left > 0; --ring) {
+            for (int i = part.segments[ring]; i < part.segments[ring + 1]; ++i) {
+                const int face = part.queue[i];
                 const std::pair<int, int> depth{ring, distances_[face]};
                 Center& center = centers_[labels_[face]];
                 if (center.depth > depth) {
@@ -186,7 +271,7 @@ private:
                 }
                 left -= center.face < 0;
                 const std::uint64_t rank =
-                    Random(iteration_, static_cast<std::uint64_t>(face)).next();
+                    Random(iteration_, static_cast<std::uint64_t>(faces_[face])).next();
                 if (center.depth < depth || rank < center.rank) {
                     center = {face, depth, rank};
                 }
@@ -194,30 +279,25 @@ private:
         }
         // A centre stays with its sub-mesh even if another one would reach it earlier: nothing is
         // nearer than a distance of 0, and all others are greater.
-        for (int l = first; l < end; ++l) {
+        for (int l = part.first_label; l < part.end_label; ++l) {
             if (centers_[l].face >= 0) {
-                keys_[centers_[l].face].store(make_key(0, l), std::memory_order_relaxed);
+                keys_[centers_[l].face] = make_key(0, l);
             }
         }
     }
 
-    /// Lists the faces of the worker's labels by their distance from the boundary: those at
-    /// distance r are queue[segments[r] .. segments[r + 1]). Which neighbours are new can not be
-    /// foreseen, so they are appended without a branch.
-    void sort_by_ring(Worker& worker, int w) {
-        std::vector<int>& queue = worker.queue;
-        queue.clear();
-        for (const Worker& lister : workers_) {
-            std::copy_if(lister.boundary.begin(),
-                         lister.boundary.begin() + lister.boundary_count,
-                         std::back_inserter(queue),
-                         [&](int face) { return worker_of_label_[labels_[face]] == w; });
-        }
+    /// Lists the faces of the part's labels by their distance from the boundary: those at distance
+    /// r are queue[segments[r] .. segments[r + 1]). Which neighbours are new can not be foreseen,
+    /// so they are appended without a branch.
+    void sort_by_ring(Part& part) {
+        std::vector<int>& queue = part.queue;
+        queue.assign(part.boundary.begin(), part.boundary.begin() + part.boundary_count);
+        queue.insert(queue.end(), part.guests.begin(), part.guests.end());
         auto tail = static_cast<int>(queue.size());
-        worker.segments.assign(1, 0);
+        part.segments.assign(1, 0);
         for (int head = 0; head < tail;) {
             const int ring_end = tail;
-            worker.segments.push_back(ring_end);
+            part.segments.push_back(ring_end);
             for (; head < ring_end; ++head) {
                 make_room(queue, tail);
                 for (int neighbor : neighbors_[queue[head]]) {
@@ -238,100 +318,136 @@ private:
         }
     }
 
-    /// Multi-source shortest paths with a bucket queue (Dial, 1969). Each worker spreads what its
-    /// own waves reached; the result is the one fixed point, whoever comes first. All steps are
-    /// equally long, so that the buckets lie one after the other in one queue: that of distance d
-    /// ends at segments[d].
-    void grow(Worker& worker, int w, double least) {
-        const int first = begin_of(w, patchwork_.submesh_count());
-        const int end = begin_of(w + 1, patchwork_.submesh_count());
-        worker.starts.clear();
-        for (int l = first; l < end; ++l) {
+    void begin_waves(Part& part, double least) {
+        part.starts.clear();
+        for (int l = part.first_label; l < part.end_label; ++l) {
             if (centers_[l].face >= 0) {
-                worker.starts.emplace_back(static_cast<int>(offsets_[l] - least), centers_[l].face);
+                part.starts.emplace_back(static_cast<int>(offsets_[l] - least), centers_[l].face);
             }
         }
-        std::sort(worker.starts.begin(), worker.starts.end());
-        std::vector<int>& queue = worker.queue;
-        auto next_start = worker.starts.begin();
+        grow(part);
+    }
+
+    /// Makes waves that left a part come in where they went; false when there were none.
+    bool send_waves() {
+        bool any = false;
+        for (Part& part : parts_) {
+            any = any || !part.departures.empty();
+            for (const Crossing& crossing : part.departures) {
+                parts_[parts_of_faces_[crossing.face]].arrivals.push_back(crossing);
+            }
+            part.departures.clear();
+        }
+        return any;
+    }
+
+    void go_on_with_waves(Part& part) {
+        part.starts.clear();
+        for (const Crossing& crossing : part.arrivals) {
+            if (crossing.key < keys_[crossing.face]) {
+                keys_[crossing.face] = crossing.key;
+                part.starts.emplace_back(distance_of(crossing.key), crossing.face);
+            }
+        }
+        part.arrivals.clear();
+        grow(part);
+    }
+
+    /// Multi-source shortest paths with a bucket queue (Dial, 1969), in the faces of the part's
+    /// labels. What is reached beyond departs; in the end there is the one fixed point, whichever
+    /// wave came first. All steps are equally long, so that the buckets lie one after the other in
+    /// one queue: that of distance d ends at segments[d].
+    void grow(Part& part) {
+        std::sort(part.starts.begin(), part.starts.end());
+        std::vector<int>& queue = part.queue;
+        auto next_start = part.starts.begin();
         int tail = 0;
-        worker.segments.clear();
+        part.segments.clear();
         const auto close_bucket = [&] {
-            const auto distance = static_cast<int>(worker.segments.size());
-            for (; next_start != worker.starts.end() && next_start->first == distance;
-                 ++next_start) {
+            const auto distance = static_cast<int>(part.segments.size());
+            for (; next_start != part.starts.end() && next_start->first == distance; ++next_start) {
                 make_room(queue, tail);
                 queue[tail++] = next_start->second;
             }
-            worker.segments.push_back(tail);
+            part.segments.push_back(tail);
         };
-        while (worker.segments.size() < kStep) {
+        while (part.segments.size() < kStep) {
             close_bucket();
         }
         int head = 0;
-        for (int d = 0; head < tail || next_start != worker.starts.end(); ++d) {
-            for (; head < worker.segments[d]; ++head) {
+        for (int d = 0; head < tail || next_start != part.starts.end(); ++d) {
+            for (; head < part.segments[d]; ++head) {
                 make_room(queue, tail);
-                spread(queue[head], d, queue, tail);
+                spread(part, queue[head], d, tail);
             }
             close_bucket();
         }
     }
 
     /// Appends the neighbours that the wave at `face` reaches first.
-    void spread(int face, int distance, std::vector<int>& queue, int& tail) {
-        const Key key = keys_[face].load(std::memory_order_relaxed);
+    void spread(Part& part, int face, int distance, int& tail) {
+        const Key key = keys_[face];
         const bool is_center = distance_of(key) == 0;
         if (!is_center && distance_of(key) != distance) {
             return; // another wave was earlier
         }
         const Key reached = make_key(distance + kStep, label_of(key));
         for (int neighbor : neighbors_[face]) {
-            queue[tail] = neighbor;
-            tail += lower(keys_[neighbor], reached);
-        }
-    }
-
-    bool lower(std::atomic<Key>& key, Key to) const {
-        Key current = key.load(std::memory_order_relaxed);
-        if (workers_.size() == 1) {
-            key.store(std::min(current, to), std::memory_order_relaxed); // without a branch
-            return to < current;
-        }
-        while (to < current) {
-            if (key.compare_exchange_weak(current, to, std::memory_order_relaxed)) {
-                return true;
+            if (parts_of_faces_[neighbor] != part.number) {
+                part.departures.push_back({neighbor, reached});
+                continue;
             }
+            const Key current = keys_[neighbor];
+            keys_[neighbor] = std::min(current, reached); // without a branch
+            part.queue[tail] = neighbor;
+            tail += reached < current;
         }
-        return false;
     }
 
-    void take_labels(Worker& worker, int w) {
-        std::fill(worker.load.begin(), worker.load.end(), 0);
-        const int end = begin_of(w + 1, patchwork_.face_count());
-        for (int f = begin_of(w, patchwork_.face_count()); f < end; ++f) {
-            const Key key = keys_[f].load(std::memory_order_relaxed);
+    void take_labels(Part& part) {
+        std::fill(part.load.begin(), part.load.end(), 0);
+        for (int f = part.first_face; f < part.end_face; ++f) {
+            const Key key = keys_[f];
             if (key != kUnreached) {
                 labels_[f] = label_of(key);
+                parts_of_faces_[f] = part_of_label_[labels_[f]];
                 distances_[f] = distance_of(key);
-                keys_[f].store(kUnreached, std::memory_order_relaxed);
+                keys_[f] = kUnreached;
             }
-            worker.load[labels_[f]] += patchwork_.weight(f);
+            if (parts_of_faces_[f] == part.number) {
+                part.load[labels_[f] - part.first_label] += weights_[f];
+            } else {
+                add_load(labels_[f], weights_[f]);
+            }
         }
+        for (int l = part.first_label; l < part.end_label; ++l) {
+            add_load(l, part.load[l - part.first_label]);
+        }
+    }
+
+    void add_load(int label, int weight) {
+#pragma omp atomic
+        patchwork_.load[label] += weight;
     }
 
     Patchwork& patchwork_;
-    std::vector<Worker> workers_;
+    const int thread_count_;
+    std::vector<Part> parts_;
     std::vector<Center> centers_;
-    std::vector<int> worker_of_label_;
+    std::vector<std::uint16_t> part_of_label_;
     std::vector<double> offsets_;
-    const std::vector<std::array<int, 3>> neighbors_;
+    /// By the labels at first; all that follows is in this order, in which parts lie together.
+    const std::vector<int> faces_;
+    std::vector<std::array<int, 3>> neighbors_;
+    std::vector<int> weights_;
     std::vector<int> labels_;
+    /// The part of each face's label.
+    std::vector<std::uint16_t> parts_of_faces_;
     /// From the centre that a face was given to, and the start of its wave.
     std::vector<int> distances_;
     /// Not reached yet from the boundary.
     std::vector<std::uint8_t> inside_;
-    std::vector<std::atomic<Key>> keys_;
+    std::vector<Key> keys_;
     std::uint64_t iteration_ = 0;
     double mean_load_ = 0.0;
     double radius_ = 0.0;

@@ -52,11 +52,18 @@ template <typename Work> void for_each_task(int count, int threads, const Work& 
     }
 }
 
-/// Calls work(begin, end) for as many nearly equal shares of [0, items) as threads, each on one.
+/// Calls work(begin, end) for as many nearly equal shares of [0, items) as threads, each on one:
+/// on the same one, whose cache may still hold it, whenever the shares are the same. `work` must
+/// not throw.
 template <typename Work> void for_each_share(int items, int threads, const Work& work) {
-    for_each_task(threads, threads, [&](int t) {
+    if (threads <= 1) {
+        work(0, items);
+        return;
+    }
+#pragma omp parallel for schedule(static, 1) num_threads(threads)
+    for (int t = 0; t < threads; ++t) {
         work(share_begin(t, threads, items), share_begin(t + 1, threads, items));
-    });
+    }
 }
 
 /// Keeps the items for which keep(item) holds, in their order, on so many threads.
