@@ -52,9 +52,9 @@ template <typename Work> void for_each_task(int count, int threads, const Work& 
     }
 }
 
-/// Calls work(begin, end) for as many nearly equal shares of [0, items) as threads, each on one:
-/// on the same one, whose cache may still hold it, whenever the shares are the same. `work` must
-/// not throw.
+/// Calls work(begin, end) for as many nearly equal shares of [0, items) as threads, each on a
+/// thread of its own: on the same one each time, whose cache may still hold it. `work` must not
+/// throw.
 template <typename Work> void for_each_share(int items, int threads, const Work& work) {
     if (threads <= 1) {
         work(0, items);
