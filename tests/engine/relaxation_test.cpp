@@ -94,7 +94,7 @@ private:
                 continue;
             }
             const Wave next = {wave.first + 8, wave.second};
-            for_each_neighbor(f, [&, f = f](int g) {
+            for_each_neighbor(f, [&](int g) {
                 if (next < reached[g]) {
                     reached[g] = next;
                     queue.push({next, g});
