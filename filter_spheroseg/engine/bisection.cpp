@@ -8,6 +8,7 @@
 #include <array>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 namespace spheroseg {
 
@@ -68,16 +69,12 @@ public:
     /// Cuts each sub-mesh of the patchwork that is to have several parts in two; see cut_in_two.
     void cut_each(std::vector<int>& parts) {
         const auto submesh_count = static_cast<int>(parts.size());
-        std::vector<int> begin(submesh_count + 1, 0);
         for (int f = 0; f < patchwork_.face_count(); ++f) {
             set_mark(f, mark_of(patchwork_.label(f)));
-            ++begin[patchwork_.label(f) + 1];
         }
-        std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        std::vector<int> end = begin;
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            order_[end[patchwork_.label(f)]++] = f;
-        }
+        FacesByLabel sorted = sort_by_label(patchwork_);
+        order_ = std::move(sorted.faces);
+        const std::vector<int>& begin = sorted.begin;
         for (int l = 0; l < submesh_count; ++l) {
             if (parts[l] > 1) {
                 const auto new_label = static_cast<int>(parts.size());

@@ -37,28 +37,17 @@ int boundary_sides(const Patchwork& patchwork, int face) {
 
 SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<int>& faces) {
     const int submesh_count = patchwork.submesh_count();
-    // Boundary faces sorted by label, so that each label's neighbours are met together.
-    std::vector<int> face_begin(submesh_count + 1, 0);
-    for (int f : faces) {
-        ++face_begin[patchwork.label(f) + 1];
-    }
-    for (int l = 0; l < submesh_count; ++l) {
-        face_begin[l + 1] += face_begin[l];
-    }
-    std::vector<int> sorted(faces.size());
-    std::vector<int> fill(face_begin.begin(), face_begin.end() - 1);
-    for (int f : faces) {
-        sorted[fill[patchwork.label(f)]++] = f;
-    }
+    // So that each label's neighbours are met together.
+    const FacesByLabel sorted = sort_by_label(patchwork, faces);
     SubmeshGraph graph;
     graph.begin.reserve(submesh_count + 1);
     graph.begin.push_back(0);
     std::vector<int> seen(submesh_count, -1);
     for (int l = 0; l < submesh_count; ++l) {
         seen[l] = l;
-        for (int i = face_begin[l]; i < face_begin[l + 1]; ++i) {
+        for (int i = sorted.begin[l]; i < sorted.begin[l + 1]; ++i) {
             for (int c = 0; c < 3; ++c) {
-                const int other = patchwork.label_across(sorted[i], c);
+                const int other = patchwork.label_across(sorted.faces[i], c);
                 if (other != kOpenBorder && seen[other] != l) {
                     seen[other] = l;
                     graph.neighbors.push_back(other);

@@ -84,6 +84,27 @@ std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int t
     return table;
 }
 
+FacesByLabel sort_by_label(const Patchwork& patchwork, const std::vector<int>& faces) {
+    FacesByLabel sorted;
+    sorted.begin.assign(patchwork.submesh_count() + 1, 0);
+    for (int f : faces) {
+        ++sorted.begin[patchwork.label(f) + 1];
+    }
+    std::partial_sum(sorted.begin.begin(), sorted.begin.end(), sorted.begin.begin());
+    std::vector<int> next = sorted.begin;
+    sorted.faces.resize(faces.size());
+    for (int f : faces) {
+        sorted.faces[next[patchwork.label(f)]++] = f;
+    }
+    return sorted;
+}
+
+FacesByLabel sort_by_label(const Patchwork& patchwork) {
+    std::vector<int> faces(patchwork.face_count());
+    std::iota(faces.begin(), faces.end(), 0);
+    return sort_by_label(patchwork, faces);
+}
+
 std::vector<int> cell_labels(const Patchwork& patchwork) {
     std::vector<int> labels(patchwork.cells.size());
     for (std::size_t f = 0; f < labels.size(); ++f) {

@@ -94,6 +94,17 @@ EvenLoads even_loads(const Patchwork& patchwork);
 /// reads less than half as much memory here as in the cells.
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count);
 
+/// Faces sorted by label, in the order of the list within each: those of sub-mesh l are
+/// faces[begin[l] .. begin[l + 1]).
+struct FacesByLabel {
+    std::vector<int> begin;
+    std::vector<int> faces;
+};
+
+/// Of a list of faces, or of all.
+FacesByLabel sort_by_label(const Patchwork& patchwork, const std::vector<int>& faces);
+FacesByLabel sort_by_label(const Patchwork& patchwork);
+
 /// The label of each cell, in the order of the cells, on any level.
 std::vector<int> cell_labels(const Patchwork& patchwork);
 

@@ -4,12 +4,13 @@
 #include "parallel_failure.h"
 #include "random.h"
 #include "threads.h"
+#include "types.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace spheroseg {
@@ -23,7 +24,9 @@ constexpr int kStep = 8;
 constexpr int kLeastFacesPerThread = kFacesPerThread / 2;
 /// Faces that fit in a core's own cache with all that belongs to them.
 constexpr int kFacesPerPart = 16384;
-constexpr int kMostParts = std::numeric_limits<std::uint16_t>::max();
+/// The number of a part.
+using PartNumber = std::uint16_t;
+static_assert(kMaxFaces / kFacesPerPart <= std::numeric_limits<PartNumber>::max());
 
 /// Where a wave reached a face: distance, then the sub-mesh that it came from. The order of the
 /// keys decides between two waves, never the order of arrival.
@@ -39,20 +42,6 @@ constexpr int label_of(Key key) {
     return static_cast<int>(key & 0xFFFFFFFF);
 }
 
-/// The faces sorted by label.
-std::vector<int> faces_by_label(const Patchwork& patchwork) {
-    std::vector<int> begin(patchwork.submesh_count() + 1, 0);
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        ++begin[patchwork.label(f) + 1];
-    }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<int> faces(patchwork.face_count());
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        faces[begin[patchwork.label(f)]++] = f;
-    }
-    return faces;
-}
-
 class Relaxation {
 public:
     Relaxation(Patchwork& patchwork, int thread_count)
@@ -60,9 +49,9 @@ public:
           thread_count_(threads_for(thread_count, patchwork.face_count(), kLeastFacesPerThread)),
           parts_(part_count()), centers_(patchwork.submesh_count()),
           part_of_label_(patchwork.submesh_count()), offsets_(patchwork.submesh_count(), 0.0),
-          faces_(faces_by_label(patchwork)), neighbors_(faces_.size()), weights_(faces_.size()),
-          labels_(faces_.size()), parts_of_faces_(faces_.size()), distances_(faces_.size(), 0),
-          inside_(faces_.size()), keys_(faces_.size(), kUnreached) {
+          faces_(sort_by_label(patchwork).faces), neighbors_(faces_.size()),
+          weights_(faces_.size()), labels_(faces_.size()), parts_of_faces_(faces_.size()),
+          distances_(faces_.size(), 0), inside_(faces_.size()), keys_(faces_.size(), kUnreached) {
         mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
         radius_ = kStep *
@@ -114,14 +103,10 @@ private:
         int end_face = 0;
         int first_label = 0;
         int end_label = 0;
-        /// The first so many are boundary faces of its range that have its labels.
-        std::vector<int> boundary;
-        int boundary_count = 0;
-        /// Boundary faces of its range that have labels of other parts, and such of other ranges
-        /// that have labels of this one.
+        /// Boundary faces of its range that have labels of other parts.
         std::vector<int> strays;
-        std::vector<int> guests;
-        /// Faces by distance, and where the distances change.
+        /// The boundary faces of its labels; then faces by distance, and where the distances
+        /// change.
         std::vector<int> queue;
         std::vector<int> segments;
         /// Faces where waves begin, or go on, and at which distance.
@@ -143,8 +128,8 @@ private:
     };
 
     int part_count() const {
-        const int count = std::max(thread_count_, patchwork_.face_count() / kFacesPerPart);
-        return std::clamp(count, 1, std::min(kMostParts, patchwork_.submesh_count()));
+        return std::min(patchwork_.submesh_count(),
+                        std::max(thread_count_, patchwork_.face_count() / kFacesPerPart));
     }
 
     void lay_out_parts() {
@@ -214,7 +199,7 @@ private:
 
     /// Which faces are on the boundary can not be foreseen: all are appended, these are counted.
     void list_boundary(Part& part) {
-        part.boundary.resize(part.end_face - part.first_face);
+        part.queue.resize(part.end_face - part.first_face);
         part.strays.clear();
         int count = 0;
         std::int64_t sides = 0;
@@ -226,26 +211,21 @@ private:
             }
             inside_[f] = differing == 0;
             sides += differing;
-            if (parts_of_faces_[f] != part.number) {
-                if (differing > 0) {
-                    part.strays.push_back(f);
-                }
-                continue;
+            if (parts_of_faces_[f] == part.number) {
+                part.queue[count] = f;
+                count += differing > 0;
+            } else if (differing > 0) {
+                part.strays.push_back(f);
             }
-            part.boundary[count] = f;
-            count += differing > 0;
         }
-        part.boundary_count = count;
+        part.queue.resize(count);
         part.sides = sides;
     }
 
     void send_strays() {
-        for (Part& part : parts_) {
-            part.guests.clear();
-        }
         for (const Part& part : parts_) {
             for (int face : part.strays) {
-                parts_[parts_of_faces_[face]].guests.push_back(face);
+                parts_[parts_of_faces_[face]].queue.push_back(face);
             }
         }
     }
@@ -291,8 +271,6 @@ private:
     /// so they are appended without a branch.
     void sort_by_ring(Part& part) {
         std::vector<int>& queue = part.queue;
-        queue.assign(part.boundary.begin(), part.boundary.begin() + part.boundary_count);
-        queue.insert(queue.end(), part.guests.begin(), part.guests.end());
         auto tail = static_cast<int>(queue.size());
         part.segments.assign(1, 0);
         for (int head = 0; head < tail;) {
@@ -434,7 +412,7 @@ private:
     const int thread_count_;
     std::vector<Part> parts_;
     std::vector<Center> centers_;
-    std::vector<std::uint16_t> part_of_label_;
+    std::vector<PartNumber> part_of_label_;
     std::vector<double> offsets_;
     /// By the labels at first; all that follows is in this order, in which parts lie together.
     const std::vector<int> faces_;
@@ -442,7 +420,7 @@ private:
     std::vector<int> weights_;
     std::vector<int> labels_;
     /// The part of each face's label.
-    std::vector<std::uint16_t> parts_of_faces_;
+    std::vector<PartNumber> parts_of_faces_;
     /// From the centre that a face was given to, and the start of its wave.
     std::vector<int> distances_;
     /// Not reached yet from the boundary.

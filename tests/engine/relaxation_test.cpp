@@ -69,7 +69,7 @@ private:
     std::vector<int> deepest_faces(const std::vector<int>& ring, int iteration) const {
         std::vector<int> center(offsets_.size(), -1);
         const auto rank = [&](int f) {
-            // The higher the better, but for the last.
+            // The least of the random numbers wins.
             return std::tuple(ring[f], distances_[f], ~Random(iteration, f).next());
         };
         for (int f = 0; f < patchwork_.face_count(); ++f) {
