@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 namespace spheroseg {
 
@@ -20,9 +21,8 @@ constexpr int kWantedGroups = 32;
 constexpr int kLoadsPerLine = 16;
 /// Which sub-meshes are neighbours changes little from phase to phase.
 constexpr int kPhasesPerGraph = 4;
-/// Where a listed face belongs, if not to a group: it touches labels of other groups only, or none.
-constexpr int kIdle = -1;
-constexpr int kNowhere = -2;
+/// The place of a listed face that touches no other label.
+constexpr int kNowhere = -1;
 
 /// The number of sides of a face beyond which another sub-mesh lies.
 int boundary_sides(const Patchwork& patchwork, int face) {
@@ -46,6 +46,7 @@ SubmeshGraph build_submesh_graph(const Patchwork& patchwork, const std::vector<i
     for (int l = 0; l < submesh_count; ++l) {
         seen[l] = l;
         for (int i = sorted.begin[l]; i < sorted.begin[l + 1]; ++i) {
+            fetch_ahead(patchwork, sorted.faces, i);
             for (int c = 0; c < 3; ++c) {
                 const int other = patchwork.label_across(sorted.faces[i], c);
                 if (other != kOpenBorder && seen[other] != l) {
@@ -145,20 +146,21 @@ int Grouping::draw_groups(const Patchwork& patchwork,
     return group_count;
 }
 
-int Grouping::place_of(const Patchwork& patchwork, int face) const {
+int Grouping::place_of(const Patchwork& patchwork, int face, int idle) const {
     const int label = patchwork.label(face);
     const int group = group_of_label_[label];
-    int place = kNowhere;
+    bool touches_another = false;
+    bool touches_its_group = false;
+    // Without branches: which sides touch what is a coin toss.
     for (int c = 0; c < 3; ++c) {
-        const int other = patchwork.label_across(face, c);
-        if (other != label && other != kOpenBorder) {
-            if (group_of_label_[other] == group) {
-                return group;
-            }
-            place = kIdle;
-        }
+        const int across = patchwork.label_across(face, c);
+        const int other = across == kOpenBorder ? label : across;
+        const bool differs = other != label;
+        touches_another |= differs;
+        touches_its_group |= differs & (group_of_label_[other] == group);
     }
-    return place;
+    const int elsewhere = touches_another ? idle : kNowhere;
+    return touches_its_group ? group : elsewhere;
 }
 
 void Grouping::place_faces(const Patchwork& patchwork,
@@ -167,22 +169,40 @@ void Grouping::place_faces(const Patchwork& patchwork,
                            int thread_count) {
     const std::vector<int>& faces = boundary.faces();
     const auto face_count = static_cast<int>(faces.size());
+    const int threads = threads_for(thread_count, face_count, kFacesPerThread / 4);
     places_.resize(faces.size());
-    const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-    for_each_share(face_count, threads, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i) {
-            places_[i] = place_of(patchwork, faces[i]);
+    faces_.resize(group_count + 1);
+    // Per thread and place how many faces it has there, then where the next of them goes.
+    std::vector<std::vector<int>> next(threads);
+    for_each_task(threads, threads, [&](int t) {
+        std::vector<int> counts(group_count + 1, 0);
+        const int end = share_begin(t + 1, threads, face_count);
+        for (int i = share_begin(t, threads, face_count); i < end; ++i) {
+            fetch_ahead(patchwork, faces, i);
+            places_[i] = place_of(patchwork, faces[i], group_count);
+            if (places_[i] == kNowhere) {
+                boundary.unlist(faces[i]);
+            } else {
+                ++counts[places_[i]];
+            }
+        }
+        next[t] = std::move(counts);
+    });
+    for (int place = 0; place <= group_count; ++place) {
+        int total = 0;
+        for (std::vector<int>& counts : next) {
+            total += std::exchange(counts[place], total);
+        }
+        faces_[place].resize(total);
+    }
+    for_each_task(threads, threads, [&](int t) {
+        const int end = share_begin(t + 1, threads, face_count);
+        for (int i = share_begin(t, threads, face_count); i < end; ++i) {
+            if (places_[i] != kNowhere) {
+                faces_[places_[i]][next[t][places_[i]]++] = faces[i];
+            }
         }
     });
-    faces_.assign(group_count, {});
-    idle_faces_.clear();
-    for (int i = 0; i < face_count; ++i) {
-        if (places_[i] == kNowhere) {
-            boundary.unlist(faces[i]);
-        } else {
-            (places_[i] == kIdle ? idle_faces_ : faces_[places_[i]]).push_back(faces[i]);
-        }
-    }
 }
 
 void Grouping::place_loads(const std::vector<int>& loads, int group_count) {
@@ -203,7 +223,7 @@ void Grouping::place_loads(const std::vector<int>& loads, int group_count) {
 }
 
 std::vector<int> Grouping::largest_first() const {
-    std::vector<int> groups(faces_.size());
+    std::vector<int> groups(group_count());
     std::iota(groups.begin(), groups.end(), 0);
     std::stable_sort(groups.begin(), groups.end(), [this](int a, int b) {
         return faces_[a].size() > faces_[b].size();
@@ -215,9 +235,9 @@ void Grouping::collect(std::vector<int>& loads, BoundaryFaces& boundary) {
     for (std::size_t l = 0; l < slot_of_label_.size(); ++l) {
         loads[l] = loads_[slot_of_label_[l]];
     }
-    boundary.faces() = idle_faces_;
-    for (const std::vector<int>& faces : faces_) {
-        boundary.faces().insert(boundary.faces().end(), faces.begin(), faces.end());
+    boundary.faces() = faces_.back();
+    for (int g = 0; g < group_count(); ++g) {
+        boundary.faces().insert(boundary.faces().end(), faces_[g].begin(), faces_[g].end());
     }
 }
 

@@ -63,7 +63,7 @@ public:
                  BoundaryFaces& boundary,
                  std::uint64_t seed,
                  int thread_count);
-    int group_count() const { return static_cast<int>(faces_.size()); }
+    int group_count() const { return static_cast<int>(faces_.size()) - 1; }
     const std::vector<int>& group_of_label() const { return group_of_label_; }
     /// The listed faces whose label is in the group and that touch another label of it.
     std::vector<int>& faces(int group) { return faces_[group]; }
@@ -79,7 +79,8 @@ private:
     /// Returns the number of groups.
     int draw_groups(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
     void place_loads(const std::vector<int>& loads, int group_count);
-    int place_of(const Patchwork& patchwork, int face) const;
+    /// Its group; `idle` if it touches labels of other groups only; below 0 if it touches none.
+    int place_of(const Patchwork& patchwork, int face, int idle) const;
     void place_faces(const Patchwork& patchwork,
                      BoundaryFaces& boundary,
                      int group_count,
@@ -92,9 +93,9 @@ private:
     /// threads do not write to the same cache lines.
     std::vector<int> loads_;
     std::vector<int> slot_of_label_;
+    /// Per group its faces, then the idle ones.
     std::vector<std::vector<int>> faces_;
-    /// The other listed faces.
-    std::vector<int> idle_faces_;
+    /// Per listed face its index there.
     std::vector<int> places_;
 };
 

@@ -87,14 +87,17 @@ std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int t
 FacesByLabel sort_by_label(const Patchwork& patchwork, const std::vector<int>& faces) {
     FacesByLabel sorted;
     sorted.begin.assign(patchwork.submesh_count() + 1, 0);
-    for (int f : faces) {
-        ++sorted.begin[patchwork.label(f) + 1];
+    const auto count = static_cast<int>(faces.size());
+    for (int i = 0; i < count; ++i) {
+        fetch_ahead(patchwork, faces, i);
+        ++sorted.begin[patchwork.label(faces[i]) + 1];
     }
     std::partial_sum(sorted.begin.begin(), sorted.begin.end(), sorted.begin.begin());
     std::vector<int> next = sorted.begin;
     sorted.faces.resize(faces.size());
-    for (int f : faces) {
-        sorted.faces[next[patchwork.label(f)]++] = f;
+    for (int i = 0; i < count; ++i) {
+        fetch_ahead(patchwork, faces, i);
+        sorted.faces[next[patchwork.label(faces[i])]++] = faces[i];
     }
     return sorted;
 }

@@ -94,6 +94,14 @@ EvenLoads even_loads(const Patchwork& patchwork);
 /// reads less than half as much memory here as in the cells.
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count);
 
+/// Fetches the cell of a face that a loop over `faces` comes to soon after the i-th one: the cells
+/// of boundary faces lie anywhere in memory.
+inline void fetch_ahead(const Patchwork& patchwork, const std::vector<int>& faces, int i) {
+    constexpr int kAhead = 12;
+    const int ahead = std::min(i + kAhead, static_cast<int>(faces.size()) - 1);
+    __builtin_prefetch(&patchwork.cells[faces[ahead]]);
+}
+
 /// Faces sorted by label, in the order of the list within each: those of sub-mesh l are
 /// faces[begin[l] .. begin[l + 1]).
 struct FacesByLabel {
