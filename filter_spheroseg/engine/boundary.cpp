@@ -17,8 +17,8 @@ namespace {
 constexpr int kMinLabelsPerGroup = 24;
 constexpr int kMaxLabelsPerGroup = 96;
 constexpr int kWantedGroups = 32;
-/// No two groups' loads share a cache line.
-constexpr int kLoadsPerLine = 16;
+/// What different threads write to lies so far apart: no cache line is shared.
+constexpr int kIntsPerLine = 16;
 /// Which sub-meshes are neighbours changes little from phase to phase.
 constexpr int kPhasesPerGraph = 4;
 /// The place of a listed face that touches no other label.
@@ -172,10 +172,11 @@ void Grouping::place_faces(const Patchwork& patchwork,
     const int threads = threads_for(thread_count, face_count, kFacesPerThread / 4);
     places_.resize(faces.size());
     faces_.resize(group_count + 1);
-    // Per thread and place how many faces it has there, then where the next of them goes.
-    std::vector<std::vector<int>> next(threads);
+    // Per thread and place how many faces it has there, then where the next of them goes; with room
+    // between threads, so that they do not write to the same cache lines.
+    std::vector<std::vector<int>> next(threads,
+                                       std::vector<int>(group_count + 1 + kIntsPerLine, 0));
     for_each_task(threads, threads, [&](int t) {
-        std::vector<int> counts(group_count + 1, 0);
         const int end = share_begin(t + 1, threads, face_count);
         for (int i = share_begin(t, threads, face_count); i < end; ++i) {
             fetch_ahead(patchwork, faces, i);
@@ -183,10 +184,9 @@ void Grouping::place_faces(const Patchwork& patchwork,
             if (places_[i] == kNowhere) {
                 boundary.unlist(faces[i]);
             } else {
-                ++counts[places_[i]];
+                ++next[t][places_[i]];
             }
         }
-        next[t] = std::move(counts);
     });
     for (int place = 0; place <= group_count; ++place) {
         int total = 0;
@@ -211,8 +211,8 @@ void Grouping::place_loads(const std::vector<int>& loads, int group_count) {
         ++next[group + 1];
     }
     for (int g = 0; g < group_count; ++g) {
-        const int used = (next[g + 1] + kLoadsPerLine - 1) / kLoadsPerLine * kLoadsPerLine;
-        next[g + 1] = next[g] + used + kLoadsPerLine;
+        const int used = (next[g + 1] + kIntsPerLine - 1) / kIntsPerLine * kIntsPerLine;
+        next[g + 1] = next[g] + used + kIntsPerLine;
     }
     loads_.assign(next[group_count], 0);
     slot_of_label_.resize(group_of_label_.size());

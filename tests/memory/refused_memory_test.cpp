@@ -96,6 +96,11 @@ TEST(RefusedMemory, OfAStartOnTheSphereIsAnErrorThatHelps) {
     EXPECT_GT(refuse_in_segmentations(mesh_for_a_sphere_start(), options, 1), 10);
 }
 
+TEST(RefusedMemory, OfWorkThatThreadsShareIsAnErrorThatHelps) {
+    const SegmentOptions options = options_of(Method::fast, Effort::draft, 1000);
+    EXPECT_GT(refuse_in_segmentations(displaced_sphere(5), options, 25), 20);
+}
+
 TEST(RefusedMemory, OfTheSphericalMapIsAnErrorThatHelps) {
     const TriangleMesh mesh = displaced_sphere(2);
     refuse_each_allocation([&](long long number) {
