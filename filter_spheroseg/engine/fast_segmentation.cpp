@@ -5,7 +5,6 @@
 #include "best_result.h"
 #include "bisection.h"
 #include "boundary.h"
-#include "branch_annealing.h"
 #include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
@@ -30,23 +29,14 @@ namespace spheroseg {
 namespace {
 
 /// Times that the balance is tried again from where it got stuck, and from another start.
-constexpr int kBalanceTries = 6;
+constexpr int kBalanceTries = 2;
 constexpr int kMaxStarts = 6;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
-/// Faces of boundaries that the search for exact balance may look at, per face: where it found one
-/// it needed up to 310. With large sub-meshes on large meshes it needed up to 5, and more take
-/// long.
-constexpr std::int64_t kBalanceWork = 1000;
-constexpr std::int64_t kLargeBalanceWork = 100;
-constexpr int kLargeMesh = 20000;
-constexpr int kLargeSubmesh = 30;
 /// Regions that are cut anew for it in all tries of the first start, per sub-mesh; in the n-th one
 /// an n-th of that. Where that found a balance it rarely took more. Without any left there are no
 /// further tries.
-constexpr std::int64_t kMostCuts = 250;
-/// Starts that pass whole branches where annealing is stuck; it takes long.
-constexpr int kStartsWithBranches = 2;
+constexpr std::int64_t kMostCuts = 400;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
 /// on the sphere too much.
 constexpr int kManySubmeshes = 50;
@@ -403,26 +393,13 @@ private:
     }
 
     bool balance(Patchwork& patchwork) {
+        if ((is_warm_ || limit().expired()) && !is_near_balance(patchwork)) {
+            return false; // Another start is better than a long search.
+        }
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
-        if (start_ < kStartsWithBranches && is_stuck(patchwork)) {
-            anneal_branches(
-                patchwork, plan_.schedules().branches(patchwork, seed_ + 3000), &limit(), progress);
-        }
-        const bool is_large =
-            patchwork.face_count() >= kLargeMesh && mean_load(patchwork) >= kLargeSubmesh;
-        const std::int64_t work = is_large ? kLargeBalanceWork : kBalanceWork;
-        // A hurried start may take what it needs here: cut short it would rarely be valid.
-        const auto pass_faces = [&](std::int64_t work_per_face) {
-            return balance_exactly(
-                patchwork, work_per_face * patchwork.face_count(), &limit(), progress);
-        };
-        if (is_warm_ || limit().expired()) {
-            // Another start is better than a long search.
-            return is_near_balance(patchwork) && pass_faces(work / 5);
-        }
         const auto pass_or_recut = [&] {
-            return pass_faces(work) ||
+            return balance_exactly(patchwork, progress) ||
                 recut_to_balance(patchwork, cuts_left_, &deadline_, progress);
         };
         bool balanced = pass_or_recut();

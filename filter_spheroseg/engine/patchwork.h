@@ -62,6 +62,31 @@ private:
     static void write(int& label, int value) { __atomic_store_n(&label, value, __ATOMIC_RELAXED); }
 };
 
+/// Calls `visit(face, corner)` for all corners at the vertex at `corner` of `face`, itself
+/// included.
+template <typename Visit>
+void for_each_around(const Patchwork& patchwork, int face, int corner, Visit visit) {
+    visit(face, corner);
+    for (int exit : {corner, previous_corner(corner)}) {
+        Step step{face, corner, exit};
+        while (patchwork.neighbor(step.face, step.exit) >= 0) {
+            step = patchwork.step_from(step);
+            if (step.face == face) {
+                return;
+            }
+            visit(step.face, step.at);
+        }
+    }
+}
+
+/// Sides at the vertex at `corner` of a face across which another label or an open border lies. A
+/// sub-mesh with more than two around a vertex has a bowtie there.
+inline int fan_ends(const Patchwork& patchwork, int face, int corner) {
+    const int label = patchwork.label(face);
+    return (patchwork.label_across(face, corner) != label) +
+        (patchwork.label_across(face, previous_corner(corner)) != label);
+}
+
 /// Does a face that is in no sub-mesh touch sub-mesh `to` by an edge, and would it join it without
 /// a bowtie?
 bool may_join(const Patchwork& patchwork, int face, int to);

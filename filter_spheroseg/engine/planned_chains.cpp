@@ -5,7 +5,7 @@
 
 namespace spheroseg {
 
-void PlannedChains::follow(bool outward, Random& random, const GoOn& go_on) {
+void PlannedChains::follow(bool outward, Random& random, const Report& report) {
     turn_ = random.next();
     std::vector<int> labels;
     for (int l = 0; l < patchwork_.submesh_count(); ++l) {
@@ -13,13 +13,13 @@ void PlannedChains::follow(bool outward, Random& random, const GoOn& go_on) {
             labels.push_back(l);
         }
     }
-    find(labels, outward, go_on);
+    find(labels, outward, report);
     for (int end : ends_) {
         make(end);
     }
 }
 
-void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoOn& go_on) {
+void PlannedChains::find(const std::vector<int>& labels, bool outward, const Report& report) {
     passes_.clear();
     ends_.clear();
     work_ = 0;
@@ -28,9 +28,8 @@ void PlannedChains::find(const std::vector<int>& labels, bool outward, const GoO
     }
     std::vector<std::uint8_t> is_found(labels.size(), 0);
     const auto end_of = [outward](const Pass& pass) { return outward ? pass.to : pass.from; };
-    for (std::size_t head = 0;
-         head < passes_.size() && ends_.size() < labels.size() && go_on(std::exchange(work_, 0));
-         ++head) {
+    for (std::size_t head = 0; head < passes_.size() && ends_.size() < labels.size(); ++head) {
+        report(std::exchange(work_, 0));
         const Pass pass = passes_[head];
         const int at = end_of(pass);
         if (is_found[pass.begin]) {

@@ -33,8 +33,8 @@ inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool 
 /// too few below `even.floor`.
 class PlannedChains {
 public:
-    /// Told of the faces that were looked at since it was called before; false ends the search.
-    using GoOn = std::function<bool(std::int64_t)>;
+    /// Told of the faces that were looked at since it was called before.
+    using Report = std::function<void(std::int64_t)>;
 
     PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
         : patchwork_(patchwork), boundaries_(boundaries), even_(even),
@@ -45,7 +45,7 @@ public:
     /// these at the same time, so that each side is met once; ties are broken by `random`. A chain
     /// may break where another one was made before it, or where it comes back to a sub-mesh; then
     /// its face stays on the way. All sub-meshes stay connected and free of bowties.
-    void follow(bool outward, Random& random, const GoOn& go_on);
+    void follow(bool outward, Random& random, const Report& report);
 
 private:
     struct Pass {
@@ -57,7 +57,7 @@ private:
         int begin;
     };
 
-    void find(const std::vector<int>& labels, bool outward, const GoOn& go_on);
+    void find(const std::vector<int>& labels, bool outward, const Report& report);
     void plan_from(int label, bool outward, int previous, int begin);
     void forget();
     void make(int last);

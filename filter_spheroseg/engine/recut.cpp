@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recut.h"
 
-#include "exact_cut.h"
+#include "threads.h"
+#include "tree_cut.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -11,22 +12,21 @@ namespace spheroseg {
 namespace {
 
 constexpr std::uint32_t kMostSubmeshes = 5;
-/// In larger regions a search for a cut is hopeless.
-constexpr int kMaxRegionFaces = 200;
-constexpr int kStepsPerCut = 200;
 /// Of five steps this many lead to where others can make up for what is off.
 constexpr std::uint32_t kDirectedOfFive = 4;
 constexpr int kCutsPerWalk = 16;
+/// A cut of a larger region counts as several.
+constexpr int kFacesPerCut = 1000;
 /// Distances are measured anew, over all faces, between two rounds with a cut or more per so many
 /// of them: that takes less time than the cuts.
-constexpr std::int64_t kFacesPerCut = 64;
+constexpr std::int64_t kFacesPerMeasuredCut = 64;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
 /// off; where a balance was found it rarely took more than 100 times that many. Where many are off,
 /// each is to have two walks on top.
-constexpr std::int64_t kPatience = 100;
+constexpr std::int64_t kPatience = 400;
 constexpr std::int64_t kIdleWalks = 2;
 /// About a millisecond.
-constexpr int kCutsPerReport = 128;
+constexpr std::int64_t kFacesPerReport = 20000;
 
 class Recut {
 public:
@@ -35,7 +35,7 @@ public:
           const Deadline* deadline,
           const Progress& progress)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
-          even_(even_loads(patchwork)), faces_of_(patchwork.submesh_count()),
+          even_(even_loads(patchwork)), tree_cut_(patchwork), faces_of_(patchwork.submesh_count()),
           unmeasured_cuts_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {
         for (int f = 0; f < patchwork.face_count(); ++f) {
             faces_of_[patchwork.label(f)].push_back(f);
@@ -50,14 +50,14 @@ public:
             if (cuts_left_ <= 0 || idle_cuts_ > patience(static_cast<std::int64_t>(round.size()))) {
                 return false;
             }
-            if (kFacesPerCut * unmeasured_cuts_ >= patchwork_.face_count()) {
+            if (kFacesPerMeasuredCut * unmeasured_cuts_ >= patchwork_.face_count()) {
                 unmeasured_cuts_ = 0;
                 measure_distances(true);
                 measure_distances(false);
             }
             for (int label : round) {
-                if (unreported_cuts_ >= kCutsPerReport) {
-                    unreported_cuts_ = 0;
+                if (unreported_faces_ >= kFacesPerReport) {
+                    unreported_faces_ = 0;
                     report_progress(progress_, 0.0, "Balancing");
                     if (deadline_ && deadline_->is_overdue()) {
                         return false;
@@ -109,7 +109,9 @@ private:
     }
 
     void walk(int label) {
-        for (int i = 0; i < kCutsPerWalk && label >= 0 && deviation(label) > 0; ++i) {
+        for (int i = 0; i < kCutsPerWalk && label >= 0 && deviation(label) > 0 &&
+             unreported_faces_ < kFacesPerReport;
+             ++i) {
             label = step(label);
         }
     }
@@ -117,65 +119,91 @@ private:
     /// Cuts a sub-mesh and some beside it anew. Returns one of them that is off then; -1 if none
     /// is.
     int step(int label) {
-        --cuts_left_;
-        ++idle_cuts_;
-        ++unmeasured_cuts_;
-        ++unreported_cuts_;
         Region region;
-        if (!add(region, label)) {
-            return -1;
-        }
-        if (random_.below(5) < kDirectedOfFive) {
-            add(region, nearest_to_goal(label));
+        add(region, label);
+        if (random_.below(5) < kDirectedOfFive && relieve(region)) {
+            return one_that_is_off(region);
         }
         const std::size_t count = 2 + random_.below(kMostSubmeshes - 1);
         while (region.labels.size() < count && add(region, neighbor_of(region))) {
         }
         if (region.labels.size() > 1) {
-            cut_anew(region);
+            cut_anew(region, [&] { return tree_cut_.cut(region, even_sizes(region), random_); });
+        } else {
+            --cuts_left_; // It is all there is.
         }
-        for (int l : region.labels) {
-            if (deviation(l) > 0) {
-                return l;
-            }
-        }
-        return -1;
+        return one_that_is_off(region);
     }
 
-    /// False when there is none (-1), or no room for it.
-    bool add(Region& region, int label) {
-        if (label < 0 ||
-            region.faces.size() + faces_of_[label].size() > std::size_t{kMaxRegionFaces}) {
+    int one_that_is_off(const Region& region) const {
+        const auto found = std::find_if(region.labels.begin(), region.labels.end(), [&](int label) {
+            return deviation(label) > 0;
+        });
+        return found == region.labels.end() ? -1 : *found;
+    }
+
+    /// Adds the neighbour of a sub-mesh that is nearest to where what it is off can be made up for,
+    /// and gives that one what it is off, or a part of it. False when that was not possible.
+    bool relieve(Region& region) {
+        const int label = region.labels.front();
+        if (!add(region, nearest_to_goal(label))) {
             return false;
         }
-        region.labels.push_back(label);
-        region.faces.insert(region.faces.end(), faces_of_[label].begin(), faces_of_[label].end());
-        return true;
+        const int load = patchwork_.load[label];
+        const int wanted = std::clamp(load, even_.floor, even_.ceiling);
+        const int limit = load > wanted ? load - 1 : load + 1;
+        return cut_anew(region,
+                        [&] { return tree_cut_.cut_in_two(region, wanted, limit, random_); });
     }
 
-    void cut_anew(const Region& region) {
+    /// False when there is none (-1).
+    bool add(Region& region, int label) {
+        if (label >= 0) {
+            region.labels.push_back(label);
+            region.faces.insert(
+                region.faces.end(), faces_of_[label].begin(), faces_of_[label].end());
+        }
+        return label >= 0;
+    }
+
+    static std::vector<int> even_sizes(const Region& region) {
+        const auto count = static_cast<int>(region.labels.size());
+        std::vector<int> sizes;
+        for (int i = 0; i < count; ++i) {
+            sizes.push_back(share_begin(i + 1, count, static_cast<int>(region.faces.size())) -
+                            share_begin(i, count, static_cast<int>(region.faces.size())));
+        }
+        return sizes;
+    }
+
+    template <typename Cut> bool cut_anew(const Region& region, Cut cut) {
+        const auto face_count = static_cast<std::int64_t>(region.faces.size());
+        const std::int64_t cuts = 1 + face_count / kFacesPerCut;
+        cuts_left_ -= cuts;
+        idle_cuts_ += cuts;
+        unmeasured_cuts_ += cuts;
+        unreported_faces_ += face_count;
         const int before = deviation(region.labels);
-        if (cut_evenly(patchwork_, region, kStepsPerCut, random_)) {
-            for (int label : region.labels) {
-                faces_of_[label].clear();
-            }
-            for (int f : region.faces) {
-                faces_of_[patchwork_.label(f)].push_back(f);
-            }
-            for (int label : region.labels) {
-                list_if_off(label);
-            }
-            if (deviation(region.labels) < before) {
-                idle_cuts_ = 0;
-            }
-        } else {
+        if (!cut()) {
             for (int label : region.labels) {
                 for (int f : faces_of_[label]) {
                     patchwork_.set_label(f, label);
                 }
                 patchwork_.load[label] = static_cast<int>(faces_of_[label].size());
             }
+            return false;
         }
+        for (int label : region.labels) {
+            faces_of_[label].clear();
+            list_if_off(label);
+        }
+        for (int f : region.faces) {
+            faces_of_[patchwork_.label(f)].push_back(f);
+        }
+        if (deviation(region.labels) < before) {
+            idle_cuts_ = 0;
+        }
+        return true;
     }
 
     /// From each sub-mesh to the nearest one that can take a face (`outward`) or spare one, in
@@ -251,14 +279,15 @@ private:
     const Deadline* const deadline_;
     const Progress& progress_;
     const EvenLoads even_;
+    TreeCut tree_cut_;
     std::vector<std::vector<int>> faces_of_;
     std::vector<int> distance_[2];
     /// Cuts since one of them made the sub-meshes less off.
     std::int64_t idle_cuts_ = 0;
     /// Cuts since the distances were measured; at first those that are due.
     std::int64_t unmeasured_cuts_;
-    /// The same of reports of progress.
-    int unreported_cuts_ = kCutsPerReport;
+    /// Faces that were cut since progress was reported; at first those that are due.
+    std::int64_t unreported_faces_ = kFacesPerReport;
     /// Sub-meshes that were off after a cut in this round.
     std::vector<int> listed_;
     std::vector<std::uint8_t> is_listed_;
@@ -271,8 +300,7 @@ bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       const Deadline* deadline,
                       const Progress& progress) {
-    const bool is_small = 2 * patchwork.face_count() / patchwork.submesh_count() <= kMaxRegionFaces;
-    return is_small && Recut(patchwork, cuts_left, deadline, progress).run();
+    return Recut(patchwork, cuts_left, deadline, progress).run();
 }
 
 } // namespace spheroseg

@@ -7,13 +7,6 @@ namespace spheroseg {
 
 namespace {
 
-/// Sides at the vertex at `corner` of a face across which another label or an open border lies.
-int fan_ends(const Patchwork& patchwork, int face, int corner) {
-    const int label = patchwork.label(face);
-    return (patchwork.label_across(face, corner) != label) +
-        (patchwork.label_across(face, previous_corner(corner)) != label);
-}
-
 /// Finds bowties, around each vertex once.
 class Bowties {
 public:
@@ -26,7 +19,8 @@ public:
         for (int f = 0; f < patchwork_.face_count(); ++f) {
             for (int c = 0; c < 3; ++c) {
                 if ((met_[f] >> c & 1) == 0 && fan_ends(patchwork_, f, c) > 0) {
-                    add_ends_around(f, c);
+                    for_each_around(
+                        patchwork_, f, c, [this](int face, int corner) { add_ends(face, corner); });
                     for (int label : labels_) {
                         sound[label] = sound[label] && ends_[label] <= 2;
                         ends_[label] = 0;
@@ -38,20 +32,6 @@ public:
     }
 
 private:
-    void add_ends_around(int face, int corner) {
-        add_ends(face, corner);
-        for (int exit : {corner, previous_corner(corner)}) {
-            Step step{face, corner, exit};
-            while (patchwork_.neighbor(step.face, step.exit) >= 0) {
-                step = patchwork_.step_from(step);
-                if (step.face == face) {
-                    return;
-                }
-                add_ends(step.face, step.at);
-            }
-        }
-    }
-
     void add_ends(int face, int corner) {
         met_[face] |= 1 << corner;
         const int ends = fan_ends(patchwork_, face, corner);

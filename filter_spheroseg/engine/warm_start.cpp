@@ -203,8 +203,10 @@ void rename_like(std::vector<int>& labels, const std::vector<int>& names, int su
         }
         overlaps.back().face_count += run.face_count;
     }
+    // Of equal ones those first that are named so already, so that naming twice changes nothing.
     std::stable_sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
-        return a.face_count > b.face_count;
+        return a.face_count != b.face_count ? a.face_count > b.face_count
+                                            : (a.label == a.name) > (b.label == b.name);
     });
     std::vector<int> name_of(submesh_count, -1);
     std::vector<std::uint8_t> used(submesh_count, 0);

@@ -19,6 +19,7 @@ void adopt_labels(Patchwork& patchwork, std::uint64_t seed);
 
 /// Gives `labels` new names (numbers in [0, submesh_count)) so that many faces have the name that
 /// they have in `names` (-1: none): pairs of old and new name with the most common faces first.
+/// To do it again changes nothing.
 void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count);
 
 /// Number of different labels.

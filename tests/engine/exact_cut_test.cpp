@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdlib>
 
 namespace spheroseg {
 namespace {
@@ -52,26 +51,6 @@ Tree planted_tree(int face_count, std::uint64_t seed) {
     return tree;
 }
 
-/// Whether connected parts of `least` to `most` faces exist: all labellings are tried.
-bool exists(const Levels& levels, int k, int least, int most, std::vector<int>& labels, int face) {
-    if (face == levels.mesh.face_count()) {
-        const Measures measures = measure(levels.mesh, levels.graph, labels, k, 1);
-        return is_sound(measures) && measures.min_submesh_triangles >= least &&
-            measures.max_submesh_triangles <= most;
-    }
-    int used = 0;
-    for (int f = 0; f < face; ++f) {
-        used = std::max(used, labels[f] + 1);
-    }
-    for (int l = 0; l < std::min(used + 1, k); ++l) {
-        labels[face] = l;
-        if (exists(levels, k, least, most, labels, face + 1)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /// Cuts a mesh into every number of sub-meshes and compares with all labellings. How many cuts
 /// there are, and for how many numbers there is none.
 std::array<int, 2> compare_with_all_labellings(const TriangleMesh& mesh) {
@@ -84,7 +63,7 @@ std::array<int, 2> compare_with_all_labellings(const TriangleMesh& mesh) {
         Patchwork patchwork = levels.multilevel.coarsen(f, k);
         const bool found = cut_exactly(patchwork, least, most, 100000);
         std::vector<int> labels(f, 0);
-        EXPECT_EQ(found, exists(levels, k, least, most, labels, 0)) << f << " faces, k " << k;
+        EXPECT_EQ(found, cut_exists(levels, k, least, most, labels, 0)) << f << " faces, k " << k;
         ++counts[found ? 0 : 1];
         if (found) {
             const Measures measures = measures_of(levels, patchwork);
@@ -158,57 +137,6 @@ TEST(ExactCut, SearchesNothingWhereThePiecesCanNotHaveTheseSizes) {
         Patchwork patchwork = Multilevel(mesh, graph).coarsen(mesh.face_count(), k);
         EXPECT_FALSE(cut_exactly(patchwork, 3, 4, 1 << 30));
     }
-}
-
-TEST(ExactCut, CutsARegionEvenlyExactlyWhereThatIsPossible) {
-    int found_count = 0;
-    int impossible_count = 0;
-    Random random(1);
-    for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        const Levels levels(sieve(displaced_sphere(2), 0.3, seed));
-        const int k = levels.mesh.face_count() / 4;
-        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
-        bisect(patchwork, k, seed, 1);
-        repair(patchwork);
-        const std::vector<int> before = levels.multilevel.labels(patchwork);
-        for (int l = 0; l + 1 < k; ++l) {
-            const auto is_inside = [l](int label) { return label == l || label == l + 1; };
-            TriangleMesh part{levels.mesh.positions, {}};
-            Region region;
-            region.labels = {l, l + 1};
-            for (int face = 0; face < levels.mesh.face_count(); ++face) {
-                if (is_inside(before[face])) {
-                    part.faces.push_back(levels.mesh.faces[face]);
-                }
-                if (is_inside(patchwork.label(face))) { // of cells, in another order
-                    region.faces.push_back(face);
-                }
-            }
-            const int size = part.face_count();
-            if (size > 10) {
-                continue;
-            }
-            const bool found = cut_evenly(patchwork, region, 100000, random);
-            std::vector<int> labels(size, 0);
-            EXPECT_EQ(found, exists(Levels(part), 2, size / 2, (size + 1) / 2, labels, 0))
-                << l << ", seed " << seed;
-            (found ? found_count : impossible_count) += 1;
-            if (found) {
-                const Measures measures = measures_of(levels, patchwork);
-                EXPECT_TRUE(is_sound(measures));
-                EXPECT_EQ(patchwork.load, measures.submesh_triangles);
-                EXPECT_LE(std::abs(patchwork.load[l] - patchwork.load[l + 1]), 1);
-                const std::vector<int> after = levels.multilevel.labels(patchwork);
-                for (int face = 0; face < levels.mesh.face_count(); ++face) {
-                    EXPECT_TRUE(is_inside(before[face]) ? is_inside(after[face])
-                                                        : after[face] == before[face]);
-                }
-            }
-            levels.multilevel.set_labels(patchwork, before);
-        }
-    }
-    EXPECT_GT(found_count, 100);
-    EXPECT_GT(impossible_count, 100);
 }
 
 } // namespace

@@ -102,6 +102,27 @@ inline bool is_sound(const Measures& measures) {
         measures.bowtie_count == 0;
 }
 
+/// Whether sound parts of `least` to `most` faces exist: all labellings are tried.
+inline bool
+cut_exists(const Levels& levels, int k, int least, int most, std::vector<int>& labels, int face) {
+    if (face == levels.mesh.face_count()) {
+        const Measures measures = measure(levels.mesh, levels.graph, labels, k, 1);
+        return is_sound(measures) && measures.min_submesh_triangles >= least &&
+            measures.max_submesh_triangles <= most;
+    }
+    int used = 0;
+    for (int f = 0; f < face; ++f) {
+        used = std::max(used, labels[f] + 1);
+    }
+    for (int l = 0; l < std::min(used + 1, k); ++l) {
+        labels[face] = l;
+        if (cut_exists(levels, k, least, most, labels, face + 1)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /// The mesh that a patchwork is, and its labels measured.
 inline Measures measures_of_level(const Patchwork& patchwork) {
     const TriangleMesh mesh = mesh_of(patchwork);

@@ -14,8 +14,8 @@ struct ChainsOf {
     explicit ChainsOf(Patchwork& from)
         : boundaries(from), chains(from, boundaries, even_loads(from)) {}
 
-    void follow(bool outward, const PlannedChains::GoOn& go_on) {
-        chains.follow(outward, random, go_on);
+    void follow(bool outward) {
+        chains.follow(outward, random, [](std::int64_t) {});
     }
 
     SubmeshBoundaries boundaries;
@@ -31,11 +31,11 @@ TEST(PlannedChains, OneSearchRelievesManySubmeshesAndLeavesAllSound) {
             Patchwork patchwork = ragged_patchwork(levels, k, 1);
             ChainsOf chains(patchwork);
             const int first = imbalance(patchwork);
-            chains.follow(outward_first, [](std::int64_t) { return true; });
+            chains.follow(outward_first);
             EXPECT_LE(imbalance(patchwork), first - first / 8) << k;
             for (bool outward : {true, false, true, false}) {
                 const int before = imbalance(patchwork);
-                chains.follow(outward, [](std::int64_t) { return true; });
+                chains.follow(outward);
                 EXPECT_LE(imbalance(patchwork), before) << k;
                 EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k;
             }
@@ -62,31 +62,10 @@ TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
         levels.multilevel.set_labels(patchwork, labels);
         ASSERT_EQ(imbalance(patchwork), 2);
         ChainsOf chains(patchwork);
-        chains.follow(outward, [](std::int64_t) { return true; });
+        chains.follow(outward);
         EXPECT_EQ(imbalance(patchwork), 0);
         EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
     }
-}
-
-TEST(PlannedChains, ASearchThatIsEndedMakesWhatItFound) {
-    const Levels levels(displaced_sphere(3));
-    Patchwork patchwork = ragged_patchwork(levels, levels.mesh.face_count() / 3, 1);
-    const std::vector<int> labels = cell_labels(patchwork);
-    const int before = imbalance(patchwork);
-    ChainsOf chains(patchwork);
-    chains.follow(true, [](std::int64_t) { return false; });
-    EXPECT_EQ(cell_labels(patchwork), labels);
-
-    int left = 1000;
-    chains.follow(true, [&left](std::int64_t) { return --left > 0; });
-    const int cut_short = imbalance(patchwork);
-    EXPECT_LT(cut_short, before);
-    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
-
-    // It left no marks behind.
-    chains.follow(true, [](std::int64_t) { return true; });
-    EXPECT_LT(imbalance(patchwork), cut_short);
-    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
 }
 
 } // namespace

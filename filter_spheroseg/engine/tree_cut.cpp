@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tree_cut.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+/// Of the whole region, and of each part of it before that is given up.
+constexpr int kTries = 3;
+constexpr int kTreesPerPart = 3;
+
+constexpr int kOutside = -1;
+constexpr int kWaiting = -2;
+
+} // namespace
+
+TreeCut::TreeCut(Patchwork& patchwork)
+    : patchwork_(patchwork), vertex_(3 * patchwork.cells.size(), -1),
+      place_(patchwork.cells.size(), kOutside) {
+    int vertex_count = 0;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            if (vertex_[3 * f + c] < 0) {
+                vertex_[3 * f + c] = vertex_count;
+                for_each_around(patchwork, f, c, [&](int face, int corner) {
+                    vertex_[3 * face + corner] = vertex_count;
+                });
+                ++vertex_count;
+            }
+        }
+    }
+    ends_.assign(vertex_count, 0);
+}
+
+bool TreeCut::cut(const Region& region, const std::vector<int>& sizes, Random& random) {
+    faces_ = region.faces;
+    labels_ = &region.labels;
+    sizes_ = &sizes;
+    const Set all = (Set{1} << sizes.size()) - 1;
+    for (int i = 0; i < kTries; ++i) {
+        if (cut_part(0, faces_.size(), all, random) && is_free_of_bowties()) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool TreeCut::cut_in_two(const Region& region, int wanted, int limit, Random& random) {
+    faces_ = region.faces;
+    const auto face_count = static_cast<int>(faces_.size());
+    for (int tries = kTries * kTreesPerPart; tries > 0; --tries) {
+        if (!grow_tree(0, faces_.size(), random)) {
+            return false;
+        }
+        const bool is_last = tries == 1 || is_only_tree_;
+        const auto [least, most] = std::minmax({wanted, is_last ? limit : wanted});
+        std::size_t root = 0;
+        int nearest = face_count;
+        bool hangs = false;
+        std::uint32_t found = 0;
+        for (std::size_t at = 1; at < tree_.size(); ++at) {
+            for (int size : {hanging_[at], face_count - hanging_[at]}) {
+                const int distance = std::abs(size - wanted);
+                if (size < least || size > most || distance > nearest) {
+                    continue;
+                }
+                found = distance < nearest ? 0 : found;
+                nearest = distance;
+                if (random.below(++found) == 0) {
+                    root = at;
+                    hangs = size == hanging_[at];
+                }
+            }
+        }
+        if (found > 0) {
+            const std::size_t middle = part_off(0, root);
+            label_faces(0, middle, region.labels[hangs ? 0 : 1]);
+            label_faces(middle, faces_.size(), region.labels[hangs ? 1 : 0]);
+            if (is_free_of_bowties()) {
+                return true;
+            }
+        }
+        if (is_last) {
+            break;
+        }
+    }
+    return false;
+}
+
+/// Cuts the faces from `begin` to `end`, which hang together, into the sub-meshes of a set.
+bool TreeCut::cut_part(std::size_t begin, std::size_t end, Set set, Random& random) {
+    if ((set & (set - 1)) == 0) {
+        label_faces(begin, end, (*labels_)[__builtin_ctz(set)]);
+        return true;
+    }
+    for (int i = 0; i < kTreesPerPart; ++i) {
+        if (!grow_tree(begin, end, random)) {
+            return false;
+        }
+        set_of_size_.assign(end - begin, 0);
+        for (Set some = (set - 1) & set; some > 0; some = (some - 1) & set) {
+            set_of_size_[size_of(some)] = some;
+        }
+        std::size_t root = 0;
+        std::uint32_t found = 0;
+        for (std::size_t at = 1; at < tree_.size(); ++at) {
+            if (set_of_size_[hanging_[at]] != 0 && random.below(++found) == 0) {
+                root = at;
+            }
+        }
+        if (found > 0) {
+            const Set first = set_of_size_[hanging_[root]];
+            const std::size_t middle = part_off(begin, root);
+            return cut_part(begin, middle, first, random) &&
+                cut_part(middle, end, set & ~first, random);
+        }
+        if (is_only_tree_) {
+            break;
+        }
+    }
+    return false;
+}
+
+/// Puts what hangs on a face of the tree, which is grown on the faces from `begin` on, before the
+/// others. Returns where those begin.
+std::size_t TreeCut::part_off(std::size_t begin, std::size_t root) {
+    const auto subtree = tree_.begin() + static_cast<std::ptrdiff_t>(root);
+    std::rotate(tree_.begin(), subtree, subtree + hanging_[root]);
+    std::copy(tree_.begin(), tree_.end(), faces_.begin() + static_cast<std::ptrdiff_t>(begin));
+    return begin + static_cast<std::size_t>(hanging_[root]);
+}
+
+void TreeCut::label_faces(std::size_t begin, std::size_t end, int label) {
+    for (std::size_t i = begin; i < end; ++i) {
+        patchwork_.set_label(faces_[i], label);
+    }
+    patchwork_.load[label] = static_cast<int>(end - begin);
+}
+
+/// False when these faces do not hang together.
+bool TreeCut::grow_tree(std::size_t begin, std::size_t end, Random& random) {
+    const std::size_t count = end - begin;
+    for (std::size_t i = begin; i < end; ++i) {
+        place_[faces_[i]] = kWaiting;
+    }
+    tree_.clear();
+    parent_.clear();
+    way_.clear();
+    std::size_t sides = 0; // where two of these faces meet
+    const auto add = [&](int face, int parent) {
+        place_[face] = static_cast<int>(tree_.size());
+        tree_.push_back(face);
+        parent_.push_back(parent);
+        way_.push_back(face);
+    };
+    add(faces_[begin + random.below(static_cast<std::uint32_t>(count))], -1);
+    while (!way_.empty()) {
+        const int face = way_.back();
+        const auto turn = static_cast<int>(random.below(3));
+        int next = -1;
+        std::size_t met = 0;
+        for (int c = 0; c < 3 && next < 0; ++c) {
+            const int neighbor = patchwork_.neighbor(face, (c + turn) % 3);
+            if (neighbor >= 0 && place_[neighbor] != kOutside) {
+                next = place_[neighbor] == kWaiting ? neighbor : -1;
+                ++met;
+            }
+        }
+        if (next >= 0) {
+            add(next, place_[face]);
+        } else {
+            way_.pop_back();
+            sides += met;
+        }
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+        place_[faces_[i]] = kOutside;
+    }
+    is_only_tree_ = sides == 2 * (count - 1);
+    hanging_.assign(tree_.size(), 1);
+    for (std::size_t at = tree_.size(); --at > 0;) {
+        hanging_[parent_[at]] += hanging_[at];
+    }
+    return tree_.size() == count;
+}
+
+int TreeCut::size_of(Set set) const {
+    int size = 0;
+    for (std::size_t i = 0; i < sizes_->size(); ++i) {
+        size += (set >> i & 1) != 0 ? (*sizes_)[i] : 0;
+    }
+    return size;
+}
+
+/// A sub-mesh has a bowtie at a vertex where it ends at more than two sides.
+bool TreeCut::is_free_of_bowties() {
+    // The faces of each sub-mesh lie together.
+    bool is_free = true;
+    for (std::size_t begin = 0; is_free && begin < faces_.size();) {
+        const int label = patchwork_.label(faces_[begin]);
+        const std::size_t end = begin + static_cast<std::size_t>(patchwork_.load[label]);
+        const auto for_each_corner = [&](auto visit) {
+            for (std::size_t i = begin; i < end; ++i) {
+                for (int c = 0; c < 3; ++c) {
+                    visit(faces_[i], c, ends_[vertex_[3 * faces_[i] + c]]);
+                }
+            }
+        };
+        for_each_corner([&](int face, int corner, int& ends) {
+            ends += fan_ends(patchwork_, face, corner);
+            is_free = is_free && ends <= 2;
+        });
+        for_each_corner([](int, int, int& ends) { ends = 0; });
+        begin = end;
+    }
+    return is_free;
+}
+
+} // namespace spheroseg

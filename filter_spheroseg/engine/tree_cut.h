@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "patchwork.h"
+#include "random.h"
+
+#include <vector>
+
+namespace spheroseg {
+
+/// Some sub-meshes of a patchwork, which hang together, and all their faces in any order.
+struct Region {
+    std::vector<int> faces;
+    std::vector<int> labels;
+};
+
+/// Cuts regions of a patchwork of unit weights anew into sub-meshes of given sizes. A random
+/// spanning tree of the faces is cut where what hangs on a side is as large as some of the
+/// sub-meshes together, and both parts are cut further in the same way ("ReCom": DeFord, Duchin,
+/// Solomon, Recombination: A Family of Markov Chains for Redistricting, 2021). The trees are grown
+/// depth first: they are mostly long paths, which can be cut nearly anywhere.
+class TreeCut {
+public:
+    /// O(F).
+    explicit TreeCut(Patchwork& patchwork);
+
+    /// Cuts the sub-meshes of a region anew such that each is connected and free of bowties, and
+    /// labels[i] has sizes[i] > 0 faces. The sizes sum up to the faces of the region. Returns false
+    /// when a few trees gave no such cut; then the labels of the region and their loads mean
+    /// nothing. At most 8 labels.
+    bool cut(const Region& region, const std::vector<int>& sizes, Random& random);
+
+    /// The same for two sub-meshes, of which the first one is to have `wanted` faces or, where that
+    /// was not found, as near to it as the last tree allows, up to `limit` (which is above `wanted`
+    /// or below).
+    bool cut_in_two(const Region& region, int wanted, int limit, Random& random);
+
+private:
+    /// A set of sub-meshes of the region, one bit for each.
+    using Set = unsigned;
+
+    bool cut_part(std::size_t begin, std::size_t end, Set set, Random& random);
+    bool grow_tree(std::size_t begin, std::size_t end, Random& random);
+    std::size_t part_off(std::size_t begin, std::size_t root);
+    void label_faces(std::size_t begin, std::size_t end, int label);
+    int size_of(Set set) const;
+    bool is_free_of_bowties();
+
+    Patchwork& patchwork_;
+    /// Of the vertex at each corner (3 * face + corner) a number.
+    std::vector<int> vertex_;
+    /// Sides at each vertex where the sub-mesh that is looked at ends.
+    std::vector<int> ends_;
+    /// Places in the tree, and marks.
+    std::vector<int> place_;
+    /// The faces of the region; what was cut lies together.
+    std::vector<int> faces_;
+    const std::vector<int>* labels_ = nullptr;
+    const std::vector<int>* sizes_ = nullptr;
+    /// The tree, depth first: faces, the places of their parents, and how many hang on each, itself
+    /// included. So a subtree is a row of faces.
+    std::vector<int> tree_;
+    std::vector<int> parent_;
+    std::vector<int> hanging_;
+    std::vector<int> way_;
+    /// The faces hang together along no other tree.
+    bool is_only_tree_ = false;
+    /// Of each number of faces the sub-meshes that have so many together; none: 0.
+    std::vector<Set> set_of_size_;
+};
+
+} // namespace spheroseg
