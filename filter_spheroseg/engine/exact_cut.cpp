@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exact_cut.h"
 
-#include "random.h"
-
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace spheroseg {
 
@@ -22,22 +21,30 @@ class ExactCut {
 public:
     /// Without `random` the search takes the largest sub-meshes and the first faces first, else
     /// what chance says.
-    ExactCut(Patchwork& patchwork, int least, int most, int max_steps, Random* random)
-        : patchwork_(patchwork), least_(least), most_(most), steps_left_(max_steps),
-          random_(random), free_count_(patchwork.face_count()) {}
+    ExactCut(Patchwork& patchwork,
+             const Region& region,
+             int least,
+             int most,
+             int max_steps,
+             Random* random)
+        : patchwork_(patchwork), faces_(region.faces), labels_(region.labels), least_(least),
+          most_(most), steps_left_(max_steps), random_(random),
+          free_count_(static_cast<int>(region.faces.size())) {}
 
     bool run() {
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
+        for (int f : faces_) {
             patchwork_.set_label(f, kFree);
         }
-        patchwork_.load.assign(submesh_count(), 0);
+        for (int label : labels_) {
+            patchwork_.load[label] = 0;
+        }
         return rest_can_be_parted(submesh_count()) && place_submesh(0);
     }
     /// False when nothing was found because there is nothing.
     bool gave_up() const { return steps_left_ < 0; }
 
 private:
-    int submesh_count() const { return patchwork_.submesh_count(); }
+    int submesh_count() const { return static_cast<int>(labels_.size()); }
 
     int free_neighbors(int face) const {
         int count = 0;
@@ -51,11 +58,11 @@ private:
     int next_seed() {
         int best = -1;
         int fewest = 4;
-        const int face_count = patchwork_.face_count();
+        const auto face_count = static_cast<int>(faces_.size());
         const int first =
             random_ ? static_cast<int>(random_->below(static_cast<std::uint32_t>(face_count))) : 0;
         for (int i = 0; i < face_count && fewest > 0; ++i) {
-            const int f = first + i < face_count ? first + i : first + i - face_count;
+            const int f = faces_[first + i < face_count ? first + i : first + i - face_count];
             if (patchwork_.cells[f].label == kFree && free_neighbors(f) < fewest) {
                 fewest = free_neighbors(f);
                 best = f;
@@ -66,13 +73,13 @@ private:
 
     /// Sizes of the next sub-mesh, in the order in which they are tried: by chance those first
     /// that are near the mean of what is left.
-    std::vector<int> sizes(int label) {
+    std::vector<int> sizes(int place) {
         std::vector<int> order;
         for (int size = most_; size >= least_; --size) {
             order.push_back(size);
         }
         if (random_) {
-            const double mean = free_count_ / static_cast<double>(submesh_count() - label);
+            const double mean = free_count_ / static_cast<double>(submesh_count() - place);
             const double wanted = mean + random_->uniform() - 0.5;
             std::sort(order.begin(), order.end(), [&](int a, int b) {
                 return std::abs(a - wanted) < std::abs(b - wanted);
@@ -81,19 +88,19 @@ private:
         return order;
     }
 
-    /// Places a sub-mesh and all after it.
-    bool place_submesh(int label) {
+    /// Places the sub-mesh labels_[place] and all after it.
+    bool place_submesh(int place) {
         const int seed = next_seed();
         if (seed < 0) {
-            return label == submesh_count();
+            return place == submesh_count();
         }
-        if (label == submesh_count()) {
+        if (place == submesh_count()) {
             return false;
         }
-        for (int size : sizes(label)) {
+        for (int size : sizes(place)) {
             std::vector<int> frontier(1, seed);
             std::vector<int> excluded;
-            if (grow(label, size, frontier, excluded)) {
+            if (grow(place, size, frontier, excluded)) {
                 return true;
             }
         }
@@ -103,9 +110,10 @@ private:
     /// Adds faces to this sub-mesh until it has `size`, in every way: a face of the frontier either
     /// joins now, or stays out of it. One that would make a bowtie comes back to the frontier when
     /// the sub-mesh meets another of its edges.
-    bool grow(int label, int size, std::vector<int> frontier, std::vector<int> excluded) {
+    bool grow(int place, int size, std::vector<int> frontier, std::vector<int> excluded) {
+        const int label = labels_[place];
         if (patchwork_.load[label] == size) {
-            return rest_can_be_parted(submesh_count() - label - 1) && place_submesh(label + 1);
+            return rest_can_be_parted(submesh_count() - place - 1) && place_submesh(place + 1);
         }
         while (!frontier.empty()) {
             steps_left_ -=
@@ -132,7 +140,7 @@ private:
                         wider.push_back(neighbor);
                     }
                 }
-                if (grow(label, size, std::move(wider), excluded)) {
+                if (grow(place, size, std::move(wider), excluded)) {
                     return true;
                 }
                 patchwork_.set_label(face, kFree);
@@ -149,9 +157,9 @@ private:
         int fewest = 0;
         int greatest = 0;
         bool possible = true;
-        for (int f = 0; f < patchwork_.face_count() && possible; ++f) {
-            if (patchwork_.cells[f].label == kFree) {
-                const int size = piece_size(f);
+        for (std::size_t i = 0; i < faces_.size() && possible; ++i) {
+            if (patchwork_.cells[faces_[i]].label == kFree) {
+                const int size = piece_size(faces_[i]);
                 const int from = (size + most_ - 1) / most_;
                 const int to = size / least_;
                 possible = from <= to;
@@ -185,6 +193,8 @@ private:
     }
 
     Patchwork& patchwork_;
+    const std::vector<int>& faces_;
+    const std::vector<int>& labels_;
     const int least_;
     const int most_;
     int steps_left_;
@@ -197,10 +207,15 @@ private:
 } // namespace
 
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps) {
+    Region whole;
+    whole.faces.resize(patchwork.cells.size());
+    std::iota(whole.faces.begin(), whole.faces.end(), 0);
+    whole.labels.resize(patchwork.load.size());
+    std::iota(whole.labels.begin(), whole.labels.end(), 0);
     for (int search = 0; search <= kFurtherSearches; ++search) {
         const int steps = search == 0 ? max_steps : max_steps / kStepDivisor;
         Random random(static_cast<std::uint64_t>(search));
-        ExactCut cut(patchwork, least, most, steps, search == 0 ? nullptr : &random);
+        ExactCut cut(patchwork, whole, least, most, steps, search == 0 ? nullptr : &random);
         if (cut.run()) {
             return true;
         }
@@ -209,6 +224,14 @@ bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps) {
         }
     }
     return false;
+}
+
+bool cut_evenly(Patchwork& patchwork, const Region& region, int max_steps, Random& random) {
+    const auto face_count = static_cast<int>(region.faces.size());
+    const auto count = static_cast<int>(region.labels.size());
+    const int least = face_count / count;
+    return ExactCut(patchwork, region, least, least + (face_count % count != 0), max_steps, &random)
+        .run();
 }
 
 } // namespace spheroseg

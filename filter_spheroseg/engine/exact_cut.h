@@ -2,6 +2,9 @@
 #pragma once
 
 #include "patchwork.h"
+#include "random.h"
+
+#include <vector>
 
 namespace spheroseg {
 
@@ -18,5 +21,10 @@ constexpr int kMaxSearchSteps = 20000;
 /// and after 20 more searches in other orders of a fifth of that each; then it returns false and
 /// the labels mean nothing. Deterministic.
 bool cut_exactly(Patchwork& patchwork, int least, int most, int max_steps);
+
+/// Cuts the sub-meshes of a region anew by one such search in a random order, into as many whose
+/// sizes differ by at most one. Returns false when none was found in `max_steps`; then the labels
+/// of the region and their loads mean nothing.
+bool cut_evenly(Patchwork& patchwork, const Region& region, int max_steps, Random& random);
 
 } // namespace spheroseg

@@ -5,6 +5,7 @@
 #include "best_result.h"
 #include "bisection.h"
 #include "boundary.h"
+#include "branch_annealing.h"
 #include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
@@ -29,14 +30,18 @@ namespace spheroseg {
 namespace {
 
 /// Times that the balance is tried again from where it got stuck, and from another start.
-constexpr int kBalanceTries = 2;
+constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
+/// Starts that pass whole branches where annealing is stuck, and sub-meshes are so large that the
+/// boundaries of recuts would be long. It takes long.
+constexpr int kStartsWithBranches = 2;
+constexpr int kLargeSubmesh = 100;
 /// Regions that are cut anew for it in all tries of the first start, per sub-mesh; in the n-th one
 /// an n-th of that. Where that found a balance it rarely took more. Without any left there are no
 /// further tries.
-constexpr std::int64_t kMostCuts = 400;
+constexpr std::int64_t kMostCuts = 250;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
 /// on the sphere too much.
 constexpr int kManySubmeshes = 50;
@@ -398,6 +403,11 @@ private:
         }
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
+        const bool are_large = mean_load(patchwork) >= kLargeSubmesh;
+        if (are_large && start_ < kStartsWithBranches && is_stuck(patchwork)) {
+            anneal_branches(
+                patchwork, plan_.schedules().branches(patchwork, seed_ + 3000), &limit(), progress);
+        }
         const auto pass_or_recut = [&] {
             return balance_exactly(patchwork, progress) ||
                 recut_to_balance(patchwork, cuts_left_, &deadline_, progress);

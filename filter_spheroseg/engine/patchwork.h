@@ -138,6 +138,12 @@ struct FacesByLabel {
 FacesByLabel sort_by_label(const Patchwork& patchwork, const std::vector<int>& faces);
 FacesByLabel sort_by_label(const Patchwork& patchwork);
 
+/// Some sub-meshes of a patchwork, and all their faces in any order.
+struct Region {
+    std::vector<int> faces;
+    std::vector<int> labels;
+};
+
 /// The label of each cell, in the order of the cells, on any level.
 std::vector<int> cell_labels(const Patchwork& patchwork);
 

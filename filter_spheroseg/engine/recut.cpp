@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "recut.h"
 
+#include "exact_cut.h"
 #include "threads.h"
 #include "tree_cut.h"
 
@@ -15,15 +16,22 @@ constexpr std::uint32_t kMostSubmeshes = 5;
 /// Of five steps this many lead to where others can make up for what is off.
 constexpr std::uint32_t kDirectedOfFive = 4;
 constexpr int kCutsPerWalk = 16;
+/// Every other cut in a smaller region is found by a search: it takes dead ends first, which random
+/// trees rarely meet. In larger ones a search is hopeless.
+constexpr std::size_t kMostFacesToSearch = 200;
+constexpr int kStepsPerSearch = 200;
 /// A cut of a larger region counts as several.
 constexpr int kFacesPerCut = 1000;
 /// Distances are measured anew, over all faces, between two rounds with a cut or more per so many
 /// of them: that takes less time than the cuts.
 constexpr std::int64_t kFacesPerMeasuredCut = 64;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
-/// off; where a balance was found it rarely took more than 100 times that many. Where many are off,
-/// each is to have two walks on top.
-constexpr std::int64_t kPatience = 400;
+/// off; where a balance was found it rarely took more than 100 times that many. But what is close
+/// to where it could be made up for, and still off after so many cuts, hardly ever gets there: on
+/// long limbs it is far, elsewhere close. Where many are off, each is to have two walks on top.
+constexpr std::int64_t kPatience = 100;
+constexpr std::int64_t kPatienceWhenClose = 50000;
+constexpr std::int64_t kPatiencePerStep = 200;
 constexpr std::int64_t kIdleWalks = 2;
 /// About a millisecond.
 constexpr std::int64_t kFacesPerReport = 20000;
@@ -47,13 +55,13 @@ public:
             list_if_off(l);
         }
         for (std::vector<int> round = take_off(); !round.empty(); round = take_off()) {
-            if (cuts_left_ <= 0 || idle_cuts_ > patience(static_cast<std::int64_t>(round.size()))) {
-                return false;
-            }
             if (kFacesPerMeasuredCut * unmeasured_cuts_ >= patchwork_.face_count()) {
                 unmeasured_cuts_ = 0;
                 measure_distances(true);
                 measure_distances(false);
+            }
+            if (cuts_left_ <= 0 || idle_cuts_ > patience(round)) {
+                return false;
             }
             for (int label : round) {
                 if (unreported_faces_ >= kFacesPerReport) {
@@ -71,10 +79,21 @@ public:
     }
 
 private:
-    /// Cuts that may go by without progress.
-    std::int64_t patience(std::int64_t off_count) const {
-        return kPatience * patchwork_.submesh_count() / off_count +
-            kIdleWalks * kCutsPerWalk * off_count;
+    /// Cuts that may go by without progress while these sub-meshes are off.
+    std::int64_t patience(const std::vector<int>& off) const {
+        std::int64_t steps = 0;
+        for (int label : off) {
+            steps += std::max(0, distances_for(label)[label]);
+        }
+        const auto count = static_cast<std::int64_t>(off.size());
+        return std::min(kPatience * patchwork_.submesh_count() / count,
+                        kPatienceWhenClose + kPatiencePerStep * steps) +
+            kIdleWalks * kCutsPerWalk * count;
+    }
+
+    /// To where what a sub-mesh is off can be made up for; -1 where that can not be reached.
+    const std::vector<int>& distances_for(int label) const {
+        return distance_[patchwork_.load[label] > even_.ceiling];
     }
 
     void list_if_off(int label) {
@@ -128,7 +147,7 @@ private:
         while (region.labels.size() < count && add(region, neighbor_of(region))) {
         }
         if (region.labels.size() > 1) {
-            cut_anew(region, [&] { return tree_cut_.cut(region, even_sizes(region), random_); });
+            cut_anew(region, [&] { return cut_evenly(region); });
         } else {
             --cuts_left_; // It is all there is.
         }
@@ -164,6 +183,13 @@ private:
                 region.faces.end(), faces_of_[label].begin(), faces_of_[label].end());
         }
         return label >= 0;
+    }
+
+    bool cut_evenly(const Region& region) {
+        if (region.faces.size() <= kMostFacesToSearch && random_.below(2) == 0) {
+            return spheroseg::cut_evenly(patchwork_, region, kStepsPerSearch, random_);
+        }
+        return tree_cut_.cut(region, even_sizes(region), random_);
     }
 
     static std::vector<int> even_sizes(const Region& region) {
@@ -244,7 +270,7 @@ private:
     /// The neighbour of a sub-mesh that is nearest to where what it is off can be made up for; of
     /// several any; -1 when it has none.
     int nearest_to_goal(int label) {
-        const std::vector<int>& distance = distance_[patchwork_.load[label] > even_.ceiling];
+        const std::vector<int>& distance = distances_for(label);
         int nearest = -1;
         std::uint32_t count = 0;
         for_each_neighbor(label, [&](int neighbor) {

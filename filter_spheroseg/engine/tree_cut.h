@@ -8,17 +8,11 @@
 
 namespace spheroseg {
 
-/// Some sub-meshes of a patchwork, which hang together, and all their faces in any order.
-struct Region {
-    std::vector<int> faces;
-    std::vector<int> labels;
-};
-
-/// Cuts regions of a patchwork of unit weights anew into sub-meshes of given sizes. A random
-/// spanning tree of the faces is cut where what hangs on a side is as large as some of the
-/// sub-meshes together, and both parts are cut further in the same way ("ReCom": DeFord, Duchin,
-/// Solomon, Recombination: A Family of Markov Chains for Redistricting, 2021). The trees are grown
-/// depth first: they are mostly long paths, which can be cut nearly anywhere.
+/// Cuts regions of a patchwork of unit weights, which hang together, anew into sub-meshes of given
+/// sizes. A random spanning tree of the faces is cut where what hangs on a side is as large as some
+/// of the sub-meshes together, and both parts are cut further in the same way ("ReCom": DeFord,
+/// Duchin, Solomon, Recombination: A Family of Markov Chains for Redistricting, 2021). The trees
+/// are grown depth first: they are mostly long paths, which can be cut nearly anywhere.
 class TreeCut {
 public:
     /// O(F).

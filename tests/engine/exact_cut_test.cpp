@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstdlib>
 
 namespace spheroseg {
 namespace {
@@ -137,6 +138,57 @@ TEST(ExactCut, SearchesNothingWhereThePiecesCanNotHaveTheseSizes) {
         Patchwork patchwork = Multilevel(mesh, graph).coarsen(mesh.face_count(), k);
         EXPECT_FALSE(cut_exactly(patchwork, 3, 4, 1 << 30));
     }
+}
+
+TEST(ExactCut, CutsARegionEvenlyExactlyWhereThatIsPossible) {
+    int found_count = 0;
+    int impossible_count = 0;
+    Random random(1);
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const Levels levels(sieve(displaced_sphere(2), 0.3, seed));
+        const int k = levels.mesh.face_count() / 4;
+        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
+        bisect(patchwork, k, seed, 1);
+        repair(patchwork);
+        const std::vector<int> before = levels.multilevel.labels(patchwork);
+        for (int l = 0; l + 1 < k; ++l) {
+            const auto is_inside = [l](int label) { return label == l || label == l + 1; };
+            TriangleMesh part{levels.mesh.positions, {}};
+            Region region;
+            region.labels = {l, l + 1};
+            for (int face = 0; face < levels.mesh.face_count(); ++face) {
+                if (is_inside(before[face])) {
+                    part.faces.push_back(levels.mesh.faces[face]);
+                }
+                if (is_inside(patchwork.label(face))) { // of cells, in another order
+                    region.faces.push_back(face);
+                }
+            }
+            const int size = part.face_count();
+            if (size > 10) {
+                continue;
+            }
+            const bool found = cut_evenly(patchwork, region, 100000, random);
+            std::vector<int> labels(size, 0);
+            EXPECT_EQ(found, cut_exists(Levels(part), 2, size / 2, (size + 1) / 2, labels, 0))
+                << l << ", seed " << seed;
+            (found ? found_count : impossible_count) += 1;
+            if (found) {
+                const Measures measures = measures_of(levels, patchwork);
+                EXPECT_TRUE(is_sound(measures));
+                EXPECT_EQ(patchwork.load, measures.submesh_triangles);
+                EXPECT_LE(std::abs(patchwork.load[l] - patchwork.load[l + 1]), 1);
+                const std::vector<int> after = levels.multilevel.labels(patchwork);
+                for (int face = 0; face < levels.mesh.face_count(); ++face) {
+                    EXPECT_TRUE(is_inside(before[face]) ? is_inside(after[face])
+                                                        : after[face] == before[face]);
+                }
+            }
+            levels.multilevel.set_labels(patchwork, before);
+        }
+    }
+    EXPECT_GT(found_count, 100);
+    EXPECT_GT(impossible_count, 100);
 }
 
 } // namespace
