@@ -21,16 +21,17 @@ public:
 
     bool run() {
         std::int64_t now = imbalance();
-        const auto halves = [&](auto round) {
+        // Does a round take off at least one of `parts` parts of what is off?
+        const auto pays = [&](auto round, int parts) {
             const std::int64_t before = now;
             round();
             now = imbalance();
-            return 2 * now <= before;
+            return parts * (before - now) >= before;
         };
-        while (now > 0 && halves([this] { follow_paths(); })) {
+        while (now > 0 && pays([this] { follow_paths(); }, 2)) {
         }
         // Where many chains break, planning them costs more and pays.
-        while (now > 0 && halves([this] { follow_plans(); })) {
+        while (now > 0 && pays([this] { follow_plans(); }, 8)) {
         }
         return now == 0;
     }
@@ -62,17 +63,10 @@ private:
         }
     }
 
-    /// As long as that brings the loads nearer to balance.
     void follow_plans() {
         const auto report = [this](std::int64_t faces) { count_work(faces); };
-        std::int64_t before = 0;
-        std::int64_t now = imbalance();
-        do {
-            before = now;
-            chains_.follow(true, random_, report);
-            chains_.follow(false, random_, report);
-            now = imbalance();
-        } while (now < before);
+        chains_.follow(true, random_, report);
+        chains_.follow(false, random_, report);
     }
 
     /// Faces that a sub-mesh has too many or too few.
@@ -101,31 +95,24 @@ private:
         }
     }
 
-    /// The best allowed move to (or, not `outward`, from) each wanted neighbour of a sub-mesh.
-    template <typename Wanted>
-    const std::vector<Arc>& arcs(int label, bool outward, Wanted is_wanted) {
+    /// The best allowed move to each wanted neighbour of a sub-mesh.
+    template <typename Wanted> const std::vector<Arc>& arcs(int label, Wanted is_wanted) {
         count_work(1 + boundaries_.listed_count(label));
         arcs_.clear();
         boundaries_.for_each_side(label, [&](int face, int c, int across) {
             if (!is_wanted(across)) {
                 return;
             }
-            const Side side = passing_side(patchwork_, face, c, outward);
             const int at = arc_of_[across];
             Move move;
-            if (describe_single(patchwork_, side.face, side.corner, move) &&
+            if (describe_single(patchwork_, face, c, move) &&
                 (at < 0 || move.boundary_change < arcs_[at].move.boundary_change) &&
-                single_is_allowed(patchwork_, side.face, side.corner, move)) {
+                single_is_allowed(patchwork_, face, c, move)) {
                 keep_best(move, across);
             }
         });
         for (const Arc& arc : arcs_) {
             arc_of_[arc.label] = -1;
-        }
-        if (arcs_.size() > 1) {
-            std::rotate(arcs_.begin(),
-                        arcs_.begin() + random_.below(static_cast<std::uint32_t>(arcs_.size())),
-                        arcs_.end());
         }
         return arcs_;
     }
@@ -170,7 +157,7 @@ private:
         for (std::size_t i = 0; i + 1 < path.size(); ++i) {
             if (arcs_between(path[i], path[i + 1]).empty()) {
                 open = false;
-                const std::vector<Arc>& ways = arcs(path[i], true, [](int) { return true; });
+                const std::vector<Arc>& ways = arcs(path[i], [](int) { return true; });
                 graph_.block_from(path[i], [&](int other) {
                     return std::any_of(ways.begin(), ways.end(), [other](const Arc& way) {
                         return way.label == other;
@@ -186,7 +173,7 @@ private:
 
     /// None, or the best move from one sub-mesh to another.
     const std::vector<Arc>& arcs_between(int from, int to) {
-        return arcs(from, true, [to](int other) { return other == to; });
+        return arcs(from, [to](int other) { return other == to; });
     }
 
     bool pass(int from, int to) {

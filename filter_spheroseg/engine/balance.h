@@ -10,9 +10,9 @@ namespace spheroseg {
 /// along shortest chains of sub-meshes from one that has too many to one that has too few, each
 /// time the face that costs the fewest boundary edges; where many chains break, along chains whose
 /// passes are planned one on the other (PlannedChains). All sub-meshes stay connected and free of
-/// bowties, and their loads are never farther off than before. Returns false when most of what is
-/// off got stuck: see recut_to_balance. Deterministic. Throws Cancelled when the progress callback
-/// asks for it.
+/// bowties, and their loads are never farther off than before. Goes on as long as that takes off a
+/// good part of what is off each time. Returns false when anything is left: see recut_to_balance.
+/// Deterministic. Throws Cancelled when the progress callback asks for it.
 bool balance_exactly(Patchwork& patchwork, const Progress& progress = {});
 
 /// With unit weights: are at most a tenth of all faces too many where they are?

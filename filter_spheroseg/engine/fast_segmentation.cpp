@@ -397,12 +397,14 @@ private:
         result_.seconds.refinement += watch.elapsed_seconds();
     }
 
+    /// What was cut short, and initial labels, are not worth a long search: another start is
+    /// better.
     bool balance(Patchwork& patchwork) {
-        if ((is_warm_ || limit().expired()) && !is_near_balance(patchwork)) {
-            return false; // Another start is better than a long search.
-        }
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
+        if (limit().expired()) {
+            return is_near_balance(patchwork) && balance_exactly(patchwork, progress);
+        }
         const bool are_large = mean_load(patchwork) >= kLargeSubmesh;
         if (are_large && start_ < kStartsWithBranches && is_stuck(patchwork)) {
             anneal_branches(
@@ -412,6 +414,9 @@ private:
             return balance_exactly(patchwork, progress) ||
                 recut_to_balance(patchwork, cuts_left_, &deadline_, progress);
         };
+        if (is_warm_) {
+            return is_near_balance(patchwork) && pass_or_recut();
+        }
         bool balanced = pass_or_recut();
         for (int i = 0; i < kBalanceTries && !balanced && cuts_left_ > 0 && !deadline_.is_overdue();
              ++i) {

@@ -16,15 +16,16 @@ constexpr std::uint32_t kMostSubmeshes = 5;
 /// Of five steps this many lead to where others can make up for what is off.
 constexpr std::uint32_t kDirectedOfFive = 4;
 constexpr int kCutsPerWalk = 16;
-/// Every other cut in a smaller region is found by a search: it takes dead ends first, which random
-/// trees rarely meet. In larger ones a search is hopeless.
+/// One of so many even cuts of smaller regions is found by a search: it takes dead ends first,
+/// which random trees rarely meet. In larger ones a search is hopeless.
+constexpr std::uint32_t kSearchOneOf = 8;
 constexpr std::size_t kMostFacesToSearch = 200;
 constexpr int kStepsPerSearch = 200;
 /// A cut of a larger region counts as several.
 constexpr int kFacesPerCut = 1000;
-/// Distances are measured anew, over all faces, between two rounds with a cut or more per so many
-/// of them: that takes less time than the cuts.
-constexpr std::int64_t kFacesPerMeasuredCut = 64;
+/// Distances are measured anew, which looks at all faces, between two rounds with as many faces in
+/// the cuts, where a small cut counts as this many: that takes less time than the cuts.
+constexpr std::int64_t kFacesOfSmallCut = 16;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
 /// off; where a balance was found it rarely took more than 100 times that many. But what is close
 /// to where it could be made up for, and still off after so many cuts, hardly ever gets there: on
@@ -44,7 +45,7 @@ public:
           const Progress& progress)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
           even_(even_loads(patchwork)), tree_cut_(patchwork), faces_of_(patchwork.submesh_count()),
-          unmeasured_cuts_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {
+          unmeasured_faces_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {
         for (int f = 0; f < patchwork.face_count(); ++f) {
             faces_of_[patchwork.label(f)].push_back(f);
         }
@@ -55,8 +56,8 @@ public:
             list_if_off(l);
         }
         for (std::vector<int> round = take_off(); !round.empty(); round = take_off()) {
-            if (kFacesPerMeasuredCut * unmeasured_cuts_ >= patchwork_.face_count()) {
-                unmeasured_cuts_ = 0;
+            if (unmeasured_faces_ >= patchwork_.face_count()) {
+                unmeasured_faces_ = 0;
                 measure_distances(true);
                 measure_distances(false);
             }
@@ -149,7 +150,7 @@ private:
         if (region.labels.size() > 1) {
             cut_anew(region, [&] { return cut_evenly(region); });
         } else {
-            --cuts_left_; // It is all there is.
+            cuts_left_ = 0; // It is all there is.
         }
         return one_that_is_off(region);
     }
@@ -161,18 +162,34 @@ private:
         return found == region.labels.end() ? -1 : *found;
     }
 
-    /// Adds the neighbour of a sub-mesh that is nearest to where what it is off can be made up for,
-    /// and gives that one what it is off, or a part of it. False when that was not possible.
+    /// Gives what a sub-mesh is off, or a part of it, to the neighbour that is nearest to where it
+    /// can be made up for. Where the two can not be cut like that, the next one on the way gets all
+    /// of it. Adds them to the region. False when neither was possible.
     bool relieve(Region& region) {
         const int label = region.labels.front();
-        if (!add(region, nearest_to_goal(label))) {
+        if (!add(region, nearest_to_goal(region))) {
             return false;
         }
         const int load = patchwork_.load[label];
         const int wanted = std::clamp(load, even_.floor, even_.ceiling);
         const int limit = load > wanted ? load - 1 : load + 1;
-        return cut_anew(region,
-                        [&] { return tree_cut_.cut_in_two(region, wanted, limit, random_); });
+        if (cut_anew(region,
+                     [&] { return tree_cut_.cut_in_two(region, wanted, limit, random_); })) {
+            return true;
+        }
+        const int between = region.labels.back();
+        if (!add(region, nearest_to_goal(region))) {
+            return false;
+        }
+        const std::vector<int> sizes = {wanted,
+                                        patchwork_.load[between],
+                                        patchwork_.load[region.labels.back()] + load - wanted};
+        return sizes.back() > 0 &&
+            cut_anew(region, [&] { return tree_cut_.cut(region, sizes, random_); });
+    }
+
+    static bool has(const Region& region, int label) {
+        return std::find(region.labels.begin(), region.labels.end(), label) != region.labels.end();
     }
 
     /// False when there is none (-1).
@@ -186,10 +203,10 @@ private:
     }
 
     bool cut_evenly(const Region& region) {
-        if (region.faces.size() <= kMostFacesToSearch && random_.below(2) == 0) {
-            return spheroseg::cut_evenly(patchwork_, region, kStepsPerSearch, random_);
-        }
-        return tree_cut_.cut(region, even_sizes(region), random_);
+        const bool searches =
+            region.faces.size() <= kMostFacesToSearch && random_.below(kSearchOneOf) == 0;
+        return (searches && spheroseg::cut_evenly(patchwork_, region, kStepsPerSearch, random_)) ||
+            tree_cut_.cut(region, even_sizes(region), random_);
     }
 
     static std::vector<int> even_sizes(const Region& region) {
@@ -207,7 +224,7 @@ private:
         const std::int64_t cuts = 1 + face_count / kFacesPerCut;
         cuts_left_ -= cuts;
         idle_cuts_ += cuts;
-        unmeasured_cuts_ += cuts;
+        unmeasured_faces_ += std::max(face_count, kFacesOfSmallCut);
         unreported_faces_ += face_count;
         const int before = deviation(region.labels);
         if (!cut()) {
@@ -267,13 +284,16 @@ private:
         }
     }
 
-    /// The neighbour of a sub-mesh that is nearest to where what it is off can be made up for; of
-    /// several any; -1 when it has none.
-    int nearest_to_goal(int label) {
-        const std::vector<int>& distance = distances_for(label);
+    /// Of the sub-meshes beside the last one of a region that is nearest to where what the first
+    /// one is off can be made up for; of several any; -1 when there is none.
+    int nearest_to_goal(const Region& region) {
+        const std::vector<int>& distance = distances_for(region.labels.front());
         int nearest = -1;
         std::uint32_t count = 0;
-        for_each_neighbor(label, [&](int neighbor) {
+        for_each_neighbor(region.labels.back(), [&](int neighbor) {
+            if (has(region, neighbor)) {
+                return;
+            }
             if (nearest < 0 || distance[neighbor] < distance[nearest]) {
                 count = 0;
             }
@@ -290,9 +310,7 @@ private:
         std::uint32_t count = 0;
         for (int label : region.labels) {
             for_each_neighbor(label, [&](int neighbor) {
-                const auto& labels = region.labels;
-                if (std::find(labels.begin(), labels.end(), neighbor) == labels.end() &&
-                    random_.below(++count) == 0) {
+                if (!has(region, neighbor) && random_.below(++count) == 0) {
                     chosen = neighbor;
                 }
             });
@@ -310,8 +328,8 @@ private:
     std::vector<int> distance_[2];
     /// Cuts since one of them made the sub-meshes less off.
     std::int64_t idle_cuts_ = 0;
-    /// Cuts since the distances were measured; at first those that are due.
-    std::int64_t unmeasured_cuts_;
+    /// Faces that were cut since the distances were measured; at first those that are due.
+    std::int64_t unmeasured_faces_;
     /// Faces that were cut since progress was reported; at first those that are due.
     std::int64_t unreported_faces_ = kFacesPerReport;
     /// Sub-meshes that were off after a cut in this round.

@@ -20,7 +20,7 @@ constexpr int kWaiting = -2;
 
 TreeCut::TreeCut(Patchwork& patchwork)
     : patchwork_(patchwork), vertex_(3 * patchwork.cells.size(), -1),
-      place_(patchwork.cells.size(), kOutside) {
+      place_(patchwork.cells.size(), kOutside), is_of_first_(patchwork.cells.size(), 0) {
     int vertex_count = 0;
     for (int f = 0; f < patchwork.face_count(); ++f) {
         for (int c = 0; c < 3; ++c) {
@@ -51,32 +51,16 @@ bool TreeCut::cut(const Region& region, const std::vector<int>& sizes, Random& r
 
 bool TreeCut::cut_in_two(const Region& region, int wanted, int limit, Random& random) {
     faces_ = region.faces;
-    const auto face_count = static_cast<int>(faces_.size());
+    for (int f : faces_) {
+        is_of_first_[f] = patchwork_.label(f) == region.labels[0];
+    }
     for (int tries = kTries * kTreesPerPart; tries > 0; --tries) {
         if (!grow_tree(0, faces_.size(), random)) {
             return false;
         }
         const bool is_last = tries == 1 || is_only_tree_;
-        const auto [least, most] = std::minmax({wanted, is_last ? limit : wanted});
-        std::size_t root = 0;
-        int nearest = face_count;
-        bool hangs = false;
-        std::uint32_t found = 0;
-        for (std::size_t at = 1; at < tree_.size(); ++at) {
-            for (int size : {hanging_[at], face_count - hanging_[at]}) {
-                const int distance = std::abs(size - wanted);
-                if (size < least || size > most || distance > nearest) {
-                    continue;
-                }
-                found = distance < nearest ? 0 : found;
-                nearest = distance;
-                if (random.below(++found) == 0) {
-                    root = at;
-                    hangs = size == hanging_[at];
-                }
-            }
-        }
-        if (found > 0) {
+        const auto [root, hangs] = nearest_cut(wanted, is_last ? limit : wanted);
+        if (root > 0) {
             const std::size_t middle = part_off(0, root);
             label_faces(0, middle, region.labels[hangs ? 0 : 1]);
             label_faces(middle, faces_.size(), region.labels[hangs ? 1 : 0]);
@@ -91,19 +75,49 @@ bool TreeCut::cut_in_two(const Region& region, int wanted, int limit, Random& ra
     return false;
 }
 
+/// Of the cuts of the tree that give the first sub-mesh as nearly as possible the wanted size, up
+/// to a limit, the one in which it keeps the most of its faces.
+TreeCut::Cut TreeCut::nearest_cut(int wanted, int limit) {
+    of_first_.assign(tree_.size(), 0);
+    for (std::size_t at = tree_.size(); --at > 0;) {
+        of_first_[at] += is_of_first_[tree_[at]];
+        of_first_[parent_[at]] += of_first_[at];
+    }
+    of_first_[0] += is_of_first_[tree_[0]];
+    const auto [least, most] = std::minmax({wanted, limit});
+    const auto face_count = static_cast<int>(tree_.size());
+    Cut best = {0, false};
+    int nearest = face_count;
+    int kept = -1;
+    for (std::size_t at = 1; at < tree_.size(); ++at) {
+        for (const bool hangs : {true, false}) {
+            const int size = hangs ? hanging_[at] : face_count - hanging_[at];
+            const int distance = std::abs(size - wanted);
+            const int keeps = hangs ? of_first_[at] : of_first_[0] - of_first_[at];
+            if (size >= least && size <= most &&
+                (distance < nearest || (distance == nearest && keeps > kept))) {
+                best = {at, hangs};
+                nearest = distance;
+                kept = keeps;
+            }
+        }
+    }
+    return best;
+}
+
 /// Cuts the faces from `begin` to `end`, which hang together, into the sub-meshes of a set.
 bool TreeCut::cut_part(std::size_t begin, std::size_t end, Set set, Random& random) {
     if ((set & (set - 1)) == 0) {
         label_faces(begin, end, (*labels_)[__builtin_ctz(set)]);
         return true;
     }
+    set_of_size_.assign(end - begin, 0);
+    for (Set some = (set - 1) & set; some > 0; some = (some - 1) & set) {
+        set_of_size_[size_of(some)] = some;
+    }
     for (int i = 0; i < kTreesPerPart; ++i) {
         if (!grow_tree(begin, end, random)) {
             return false;
-        }
-        set_of_size_.assign(end - begin, 0);
-        for (Set some = (set - 1) & set; some > 0; some = (some - 1) & set) {
-            set_of_size_[size_of(some)] = some;
         }
         std::size_t root = 0;
         std::uint32_t found = 0;

@@ -4,6 +4,7 @@
 #include "patchwork.h"
 #include "random.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace spheroseg {
@@ -26,13 +27,21 @@ public:
 
     /// The same for two sub-meshes, of which the first one is to have `wanted` faces or, where that
     /// was not found, as near to it as the last tree allows, up to `limit` (which is above `wanted`
-    /// or below).
+    /// or below). Of the cuts of a tree the one counts in which the first one keeps the most of its
+    /// faces: the two are not to change places.
     bool cut_in_two(const Region& region, int wanted, int limit, Random& random);
 
 private:
     /// A set of sub-meshes of the region, one bit for each.
     using Set = unsigned;
 
+    /// What hangs on a place in the tree, or all the rest, is the first sub-mesh. Place 0: none.
+    struct Cut {
+        std::size_t root;
+        bool hangs;
+    };
+
+    Cut nearest_cut(int wanted, int limit);
     bool cut_part(std::size_t begin, std::size_t end, Set set, Random& random);
     bool grow_tree(std::size_t begin, std::size_t end, Random& random);
     std::size_t part_off(std::size_t begin, std::size_t root);
@@ -56,6 +65,9 @@ private:
     std::vector<int> tree_;
     std::vector<int> parent_;
     std::vector<int> hanging_;
+    /// Is a face of the region of the first sub-mesh, and how many of them hang on each place?
+    std::vector<std::uint8_t> is_of_first_;
+    std::vector<int> of_first_;
     std::vector<int> way_;
     /// The faces hang together along no other tree.
     bool is_only_tree_ = false;

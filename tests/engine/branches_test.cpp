@@ -116,8 +116,8 @@ TEST(Branches, KeepBothSubmeshesSoundOnSurfacesFullOfHoles) {
     EXPECT_GT(larger_count, 100);
 }
 
-TEST(Branches, LetSurfacesFullOfHolesBeBalanced) {
-    // Without them each of these meshes was left off balance at one of these k or more.
+// At one of these k or more each was left off balance when only faces and fans passed.
+TEST(Branches, AndRecutsBalanceSurfacesFullOfHoles) {
     const std::vector<TriangleMesh> meshes = {sieve(long_thin_limb(8, 60), 0.15, 11),
                                               sieve(long_thin_limb(8, 60), 0.22, 3),
                                               sieve(long_thin_limb(8, 60), 0.22, 11),

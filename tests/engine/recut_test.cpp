@@ -125,14 +125,43 @@ TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     EXPECT_EQ(cuts_left, kManyCuts);
     EXPECT_EQ(cell_labels(patchwork), before);
 
-    // A round, in which each of 150 sub-meshes takes 16 at most, is finished; a next one is none.
+    // A round, in which each of 150 sub-meshes takes 48 at most, is finished; a next one is none.
     cuts_left = 1;
     EXPECT_FALSE(recut_to_balance(patchwork, cuts_left));
     EXPECT_LE(cuts_left, 0);
-    EXPECT_GE(cuts_left, 1 - 16 * 150);
+    EXPECT_GE(cuts_left, 1 - 48 * 150);
     const std::vector<int> after = cell_labels(patchwork);
     EXPECT_FALSE(recut_to_balance(patchwork, cuts_left));
     EXPECT_EQ(cell_labels(patchwork), after);
+}
+
+// What can not be balanced keeps it busy.
+TEST(Recut, StopsOnTheWayToo) {
+    const Levels levels(random_tree(1000, 1));
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 30);
+    bisect(patchwork, 30, 1, 1);
+    repair(patchwork);
+    std::int64_t cuts_left = kManyCuts;
+    int reports = 0;
+    EXPECT_THROW(
+        recut_to_balance(
+            patchwork, cuts_left, nullptr, [&](double, const char*) { return ++reports < 3; }),
+        Cancelled);
+    EXPECT_LT(cuts_left, kManyCuts);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
+
+    const Deadline deadline(1e-9);
+    reports = 0;
+    const auto wait_in_the_third = [&](double, const char*) {
+        if (++reports == 3) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+        }
+        return true;
+    };
+    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, &deadline, wait_in_the_third));
+    EXPECT_EQ(reports, 3);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
 }
 
 } // namespace
