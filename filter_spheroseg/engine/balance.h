@@ -15,6 +15,10 @@ namespace spheroseg {
 /// Deterministic. Throws Cancelled when the progress callback asks for it.
 bool balance_exactly(Patchwork& patchwork, const Progress& progress = {});
 
+/// After balance_exactly and recut_to_balance: are so many sub-meshes off that there is hardly a
+/// balance to be found?
+bool is_hopeless(const Patchwork& patchwork);
+
 /// With unit weights: are at most a tenth of all faces too many where they are?
 bool is_near_balance(const Patchwork& patchwork);
 

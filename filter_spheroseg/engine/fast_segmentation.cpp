@@ -134,6 +134,9 @@ private:
 
     /// Is another start worth its time, after the start that made this patchwork?
     bool wants_more(const Patchwork& patchwork, int start) const {
+        if (is_hopeless_ && start > 0) {
+            return false;
+        }
         if (is_hurried_) {
             return !any_valid_ && !deadline_.is_overdue();
         }
@@ -418,7 +421,9 @@ private:
             return is_near_balance(patchwork) && pass_or_recut();
         }
         bool balanced = pass_or_recut();
-        for (int i = 0; i < kBalanceTries && !balanced && cuts_left_ > 0 && !deadline_.is_overdue();
+        is_hopeless_ = !balanced && is_hopeless(patchwork);
+        for (int i = 0; i < kBalanceTries && !balanced && !is_hopeless_ && cuts_left_ > 0 &&
+             !deadline_.is_overdue();
              ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             const AnnealSchedule schedule =
@@ -471,6 +476,8 @@ private:
     bool is_warm_ = false;
     bool is_hurried_ = false;
     bool was_cut_short_ = false;
+    /// The last start was left so far off balance that only one of another kind is worth a try.
+    bool is_hopeless_ = false;
     /// A start was, whatever the initial labels are.
     bool any_valid_ = false;
 };

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace spheroseg {
 namespace {
 
@@ -39,6 +42,21 @@ TEST(Balance, ExactBalanceOfTwoToFourFacesEachNeedsNoAnnealing) {
                 EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << k << ", seed " << seed;
             }
             EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
+        }
+    }
+}
+
+TEST(Balance, IsHopelessWhereMoreThanAHundredAndOneOfFiftyAreOff) {
+    const Levels levels(displaced_sphere(5)); // 20,480 faces
+    for (const auto& [k, most_off] : {std::pair{64, 64}, {2048, 100}, {5120, 102}, {10240, 204}}) {
+        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
+        const int mean = levels.mesh.face_count() / k;
+        for (int off : {0, most_off, most_off + 2}) {
+            patchwork.load.assign(k, mean);
+            for (int l = 0; l < std::min(off, k); ++l) {
+                patchwork.load[l] += l % 2 == 0 ? 1 : -1;
+            }
+            EXPECT_EQ(is_hopeless(patchwork), off > most_off && k > most_off) << off << " of " << k;
         }
     }
 }
