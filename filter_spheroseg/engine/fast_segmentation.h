@@ -63,7 +63,7 @@ struct ComponentResult {
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive
 /// bisection and Lloyd's relaxation of the dual graph (of few sub-meshes, the best of several
 /// starts of different kinds), annealing of the boundaries on every level, exact balance by chains
-/// of moves, and exchanges at exact balance. Uses only the connectivity of the mesh, never its
+/// of moves and by cutting regions anew, and exchanges at exact balance. Uses only the connectivity of the mesh, never its
 /// coordinates. Every sub-mesh stays connected and free of bowties at every moment; when the
 /// balance can not be reached, it is tried again from other starts, and the best result is kept.
 /// With weights, the heaviest load is lowered (balance_by_weight) instead of the exact balance.
