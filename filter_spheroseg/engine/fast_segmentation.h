@@ -63,13 +63,13 @@ struct ComponentResult {
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive
 /// bisection and Lloyd's relaxation of the dual graph (of few sub-meshes, the best of several
 /// starts of different kinds), annealing of the boundaries on every level, exact balance by chains
-/// of moves and by cutting regions anew, and exchanges at exact balance. Uses only the connectivity of the mesh, never its
-/// coordinates. Every sub-mesh stays connected and free of bowties at every moment; when the
-/// balance can not be reached, it is tried again from other starts, and the best result is kept.
-/// With weights, the heaviest load is lowered (balance_by_weight) instead of the exact balance.
-/// With initial labels, the first start is these, adopted (adopt_labels) and refined on the finest
-/// level; if they are valid and balanced already, they also compete with the results. Sub-meshes
-/// get the numbers that many of their faces had (rename_like).
+/// of moves and by cutting regions anew, and exchanges at exact balance. Uses only the connectivity
+/// of the mesh, never its coordinates. Every sub-mesh stays connected and free of bowties at every
+/// moment; when the balance can not be reached, it is tried again from other starts, and the best
+/// result is kept. With weights, the heaviest load is lowered (balance_by_weight) instead of the
+/// exact balance. With initial labels, the first start is these, adopted (adopt_labels) and refined
+/// on the finest level; if they are valid and balanced already, they also compete with the results.
+/// Sub-meshes get the numbers that many of their faces had (rename_like).
 ///
 /// The time limit cuts the annealing short, not what makes the result valid. `whole` is the mesh
 /// that the component is where that can be mapped to the sphere, else null. Throws Cancelled,
