@@ -421,7 +421,7 @@ private:
             return is_near_balance(patchwork) && pass_or_recut();
         }
         bool balanced = pass_or_recut();
-        is_hopeless_ = !balanced && is_hopeless(patchwork);
+        is_hopeless_ = is_hopeless(patchwork);
         for (int i = 0; i < kBalanceTries && !balanced && !is_hopeless_ && cuts_left_ > 0 &&
              !deadline_.is_overdue();
              ++i) {
@@ -476,7 +476,8 @@ private:
     bool is_warm_ = false;
     bool is_hurried_ = false;
     bool was_cut_short_ = false;
-    /// The last start was left so far off balance that only one of another kind is worth a try.
+    /// Where a balance was last searched for, so much stayed off that only another kind of start is
+    /// worth a try.
     bool is_hopeless_ = false;
     /// A start was, whatever the initial labels are.
     bool any_valid_ = false;

@@ -5,6 +5,20 @@
 
 namespace spheroseg {
 
+namespace {
+
+/// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
+/// `corner`, or, not `outward`, into it.
+Side passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
+    if (outward) {
+        return {face, corner};
+    }
+    const NeighborSide across = patchwork.cells[face].side[corner];
+    return {face_of(across), corner_of(across)};
+}
+
+} // namespace
+
 void PlannedChains::follow(bool outward, Random& random, const Report& report) {
     turn_ = random.next();
     std::vector<int> labels;

@@ -16,16 +16,6 @@ struct Side {
     int corner;
 };
 
-/// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
-/// `corner`, or, not `outward`, into it.
-inline Side passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
-    if (outward) {
-        return {face, corner};
-    }
-    const NeighborSide across = patchwork.cells[face].side[corner];
-    return {face_of(across), corner_of(across)};
-}
-
 /// Chains of passes, each of one face from a sub-mesh to a neighbour, from sub-meshes with too many
 /// faces to ones with room, or to ones with too few from ones that can spare a face. Each pass is
 /// planned on the sub-mesh as the pass before it leaves it: which faces a sub-mesh of two or three
