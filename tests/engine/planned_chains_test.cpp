@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 namespace spheroseg {
 namespace {
 
@@ -43,28 +45,60 @@ TEST(PlannedChains, OneSearchRelievesManySubmeshesAndLeavesAllSound) {
     }
 }
 
-// In a strip of triangles, pairs but for three at one end and one at the other, the only chain
-// leads through all of them.
-TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
-    constexpr int kSubmeshes = 1000;
-    TriangleMesh strip;
+/// A strip of triangles in pairs, but for three at one end and one at the other: the only chain
+/// leads through all of them.
+struct Strip {
+    explicit Strip(int submeshes) : submesh_count(submeshes) {
+        TriangleMesh mesh;
+        for (int i = 0; i < 2 * submesh_count; ++i) {
+            mesh.faces.push_back(i % 2 == 0 ? Triangle{i, i + 1, i + 2}
+                                            : Triangle{i + 1, i, i + 2});
+            labels.push_back(i == 0 ? 0 : (i - 1) / 2);
+        }
+        for (int i = 0; i < 2 * submesh_count + 2; ++i) {
+            mesh.positions.push_back({0.5 * i, static_cast<double>(i % 2), 0.0});
+        }
+        levels.emplace(mesh);
+    }
+
+    Patchwork patchwork() const {
+        Patchwork patchwork = levels->multilevel.coarsen(2 * submesh_count, submesh_count);
+        levels->multilevel.set_labels(patchwork, labels);
+        return patchwork;
+    }
+
+    int submesh_count;
     std::vector<int> labels;
-    for (int i = 0; i < 2 * kSubmeshes; ++i) {
-        strip.faces.push_back(i % 2 == 0 ? Triangle{i, i + 1, i + 2} : Triangle{i + 1, i, i + 2});
-        labels.push_back(i == 0 ? 0 : (i - 1) / 2);
-    }
-    for (std::size_t i = 0; i < strip.faces.size() + 2; ++i) {
-        strip.positions.push_back({0.5 * static_cast<double>(i), static_cast<double>(i % 2), 0.0});
-    }
-    const Levels levels(strip);
+    std::optional<Levels> levels;
+};
+
+TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
+    const Strip strip(1000);
     for (bool outward : {true, false}) {
-        Patchwork patchwork = levels.multilevel.coarsen(2 * kSubmeshes, kSubmeshes);
-        levels.multilevel.set_labels(patchwork, labels);
+        Patchwork patchwork = strip.patchwork();
         ASSERT_EQ(imbalance(patchwork), 2);
         ChainsOf chains(patchwork);
         chains.follow(outward);
         EXPECT_EQ(imbalance(patchwork), 0);
-        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+        EXPECT_TRUE(is_sound(measures_of(*strip.levels, patchwork)));
+    }
+}
+
+// Whatever a search marked, the next one, in either direction, finds every way.
+TEST(PlannedChains, ASearchLeavesNoMarks) {
+    const Strip strip(20);
+    Patchwork patchwork = strip.patchwork();
+    const std::vector<int> before = cell_labels(patchwork);
+    ChainsOf chains(patchwork);
+    for (bool outward : {true, true, false, false, true}) {
+        ASSERT_EQ(imbalance(patchwork), 2);
+        chains.follow(outward);
+        EXPECT_EQ(imbalance(patchwork), 0);
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            if (patchwork.label(f) != before[f]) {
+                chains.boundaries.pass(f, patchwork.label(f), before[f]);
+            }
+        }
     }
 }
 
