@@ -20,8 +20,8 @@ namespace {
 
 constexpr const char* kUsage = R"(usage: spheroseg-bench [OPTIONS] MESH...
 
-MESH is a .ply, .obj or .raw file, or a generated mesh: sphere:N (icosphere of 20 * 4^N triangles)
-or bumpy:N (the same with smooth bumps). Without a MESH: sphere:4, bumpy:5.
+MESH is a .ply, .obj or .raw file, or a generated mesh: sphere:N (icosphere of 20 * 4^N triangles,
+N from 0 to 9) or bumpy:N (the same with smooth bumps). Without a MESH: sphere:4, bumpy:5.
 
   --fast             the method fast instead of all_pairs
   --k N              number of sub-meshes (200)
@@ -50,8 +50,11 @@ TriangleMesh make_mesh(const std::string& name) {
     if (!bumpy && name.rfind("sphere:", 0) != 0) {
         return MeshFile::read(name);
     }
-    TriangleMesh mesh =
-        test::icosphere(std::clamp(std::atoi(name.c_str() + name.find(':') + 1), 0, 9));
+    const std::string level = name.substr(name.find(':') + 1);
+    if (level.size() != 1 || level[0] < '0' || level[0] > '9') {
+        throw InvalidInput("Expected a number from 0 to 9 after the colon, found " + name + ".");
+    }
+    TriangleMesh mesh = test::icosphere(level[0] - '0');
     for (Vec3& p : mesh.positions) {
         p = bumpy ? p * (1.0 + 0.25 * std::sin(7 * p.x) * std::sin(5 * p.y + 2 * p.z)) : p;
     }
