@@ -13,14 +13,14 @@ namespace spheroseg {
 namespace {
 
 /// Where a balance was found in the end, recuts had never left more than 73 sub-meshes off, and of
-/// more than a thousand never more than one of 60.
+/// more than a thousand never more than one of 60; with some room.
 constexpr std::int64_t kFewOff = 100;
 constexpr std::int64_t kOneOff = 50;
 
 class Balancer {
 public:
-    Balancer(Patchwork& patchwork, const Progress& progress)
-        : patchwork_(patchwork), progress_(progress), boundaries_(patchwork),
+    Balancer(Patchwork& patchwork, const Deadline* deadline, const Progress& progress)
+        : patchwork_(patchwork), deadline_(deadline), progress_(progress), boundaries_(patchwork),
           graph_(patchwork.submesh_count()), arc_of_(patchwork.submesh_count(), -1),
           even_(even_loads(patchwork)), chains_(patchwork, boundaries_, even_) {}
 
@@ -33,10 +33,10 @@ public:
             now = imbalance();
             return parts * (before - now) >= before;
         };
-        while (now > 0 && pays([this] { follow_paths(); }, 2)) {
+        while (now > 0 && !is_over_ && pays([this] { follow_paths(); }, 2)) {
         }
         // Where many chains break, planning them costs more and pays.
-        while (now > 0 && pays([this] { follow_plans(); }, 8)) {
+        while (now > 0 && !is_over_ && pays([this] { follow_plans(); }, 8)) {
         }
         return now == 0;
     }
@@ -52,6 +52,7 @@ private:
         if (unreported_ >= kWorkPerReport) {
             unreported_ = 0;
             report_progress(progress_, 0.0, "Balancing");
+            is_over_ = deadline_ && deadline_->expired();
         }
     }
 
@@ -60,7 +61,7 @@ private:
     void follow_paths() {
         build_graph();
         for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            for (int left = deviation(l); left > 0 && deviation(l) > 0; --left) {
+            for (int left = deviation(l); left > 0 && deviation(l) > 0 && !is_over_; --left) {
                 if (!relieve(l, patchwork_.load[l] > even_.ceiling)) {
                     break;
                 }
@@ -140,7 +141,7 @@ private:
             if (path->empty()) {
                 return false;
             }
-        } while (!is_open(*path));
+        } while (!is_open(*path) && !is_over_);
         // As many faces as the two ends need, as long as the chain holds.
         const int goal = outward ? path->back() : path->front();
         const int needed = std::min(deviation(label), room(goal, outward));
@@ -199,7 +200,9 @@ private:
     }
 
     Patchwork& patchwork_;
+    const Deadline* const deadline_;
     const Progress& progress_;
+    bool is_over_ = false;
     std::int64_t unreported_ = 0;
     SubmeshBoundaries boundaries_;
     PassGraph graph_;
@@ -212,8 +215,8 @@ private:
 
 } // namespace
 
-bool balance_exactly(Patchwork& patchwork, const Progress& progress) {
-    return Balancer(patchwork, progress).run();
+bool balance_exactly(Patchwork& patchwork, const Deadline* deadline, const Progress& progress) {
+    return Balancer(patchwork, deadline, progress).run();
 }
 
 bool is_hopeless(const Patchwork& patchwork) {

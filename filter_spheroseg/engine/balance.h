@@ -11,9 +11,12 @@ namespace spheroseg {
 /// time the face that costs the fewest boundary edges; where many chains break, along chains whose
 /// passes are planned one on the other (PlannedChains). All sub-meshes stay connected and free of
 /// bowties, and their loads are never farther off than before. Goes on as long as that takes off a
-/// good part of what is off each time. Returns false when anything is left: see recut_to_balance.
-/// Deterministic. Throws Cancelled when the progress callback asks for it.
-bool balance_exactly(Patchwork& patchwork, const Progress& progress = {});
+/// good part of what is off each time, and `deadline` (may be null) has not expired. Returns false
+/// when anything is left: see recut_to_balance. Deterministic but for the deadline. Throws
+/// Cancelled when the progress callback asks for it.
+bool balance_exactly(Patchwork& patchwork,
+                     const Deadline* deadline = nullptr,
+                     const Progress& progress = {});
 
 /// After balance_exactly and recut_to_balance: are so many sub-meshes off that there is hardly a
 /// balance to be found?

@@ -104,7 +104,7 @@ private:
         const int difference = result_.best_max_triangle_count_difference;
         const int mean = finest.face_count() / submesh_count;
         const int end = std::max(1, mean - difference);
-        for (int least = mean; least >= end && !deadline_.is_overdue(); --least) {
+        for (int least = mean; least >= end && !deadline_.for_searches().expired(); --least) {
             report_progress(progress_, 1.0, "Searching");
             if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
                 result_.labels = finest.labels(patchwork);

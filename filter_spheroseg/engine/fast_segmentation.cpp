@@ -4,7 +4,6 @@
 #include "balance.h"
 #include "best_result.h"
 #include "bisection.h"
-#include "boundary.h"
 #include "branch_annealing.h"
 #include "cohesion_state.h"
 #include "component.h"
@@ -17,7 +16,6 @@
 #include "repair.h"
 #include "soundness.h"
 #include "sphere_bisection.h"
-#include "threads.h"
 #include "trials.h"
 #include "warm_start.h"
 #include "weight_balance.h"
@@ -32,6 +30,9 @@ namespace {
 /// Times that the balance is tried again from where it got stuck, and from another start.
 constexpr int kBalanceTries = 6;
 constexpr int kMaxStarts = 6;
+/// Seconds for that, whatever the time limit is, per second of a start that is made as `draft` does
+/// it because the time is up.
+constexpr double kSearchOverDraft = 10.0;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
 /// Starts that pass whole branches where annealing is stuck, and sub-meshes are so large that the
@@ -57,7 +58,8 @@ public:
                      const Deadline& deadline,
                      const Progress& progress)
         : component_(component), whole_(whole), options_(options), task_(task),
-          submesh_count_(task.submesh_count), deadline_(deadline), progress_(progress),
+          submesh_count_(task.submesh_count), deadline_(deadline),
+          search_deadline_(deadline.for_searches()), progress_(progress),
           plan_(component.face_count(),
                 task.submesh_count,
                 !task.weights.empty(),
@@ -71,7 +73,7 @@ public:
         consider_input();
         const std::optional<ComponentResult> reserve = make_reserve();
         for (int start = 0; start < kMaxStarts && !(reserve && deadline_.expired()); ++start) {
-            if (deadline_.expired()) {
+            if (deadline_.expired() && !is_hurried_) {
                 hurry();
             }
             begin_start(start);
@@ -96,7 +98,7 @@ public:
             best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
         if (!best_->is_valid() && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
-            !deadline_.is_overdue()) {
+            !search_deadline_.expired()) {
             search();
         }
         result_.is_valid = best_->is_valid();
@@ -127,7 +129,19 @@ private:
     /// the limit: what is cut short can not be balanced.
     void hurry() {
         is_hurried_ = true;
+        hurry_watch_.emplace();
         plan_.set_effort(Effort::draft);
+    }
+
+    /// Leaves time for the search for its balance, whatever the limit is: as much as goes with the
+    /// time that it took so far, for that and all later searches.
+    void extend_search() {
+        if (hurry_watch_) {
+            search_deadline_ =
+                Deadline(std::max(search_deadline_.left_seconds(),
+                                  kSearchOverDraft * hurry_watch_->elapsed_seconds()));
+            hurry_watch_.reset();
+        }
     }
 
     const Deadline& limit() const { return is_hurried_ ? unlimited_ : deadline_; }
@@ -138,7 +152,7 @@ private:
             return false;
         }
         if (is_hurried_) {
-            return !any_valid_ && !deadline_.is_overdue();
+            return !any_valid_ && !search_deadline_.expired();
         }
         if (deadline_.expired()) {
             return !any_valid_ ||
@@ -406,7 +420,8 @@ private:
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
         if (limit().expired()) {
-            return is_near_balance(patchwork) && balance_exactly(patchwork, progress);
+            return is_near_balance(patchwork) &&
+                balance_exactly(patchwork, &search_deadline_, progress);
         }
         const bool are_large = mean_load(patchwork) >= kLargeSubmesh;
         if (are_large && start_ < kStartsWithBranches && is_stuck(patchwork)) {
@@ -414,16 +429,17 @@ private:
                 patchwork, plan_.schedules().branches(patchwork, seed_ + 3000), &limit(), progress);
         }
         const auto pass_or_recut = [&] {
-            return balance_exactly(patchwork, progress) ||
-                recut_to_balance(patchwork, cuts_left_, &deadline_, progress);
+            return balance_exactly(patchwork, &search_deadline_, progress) ||
+                recut_to_balance(patchwork, cuts_left_, &search_deadline_, progress);
         };
         if (is_warm_) {
             return is_near_balance(patchwork) && pass_or_recut();
         }
+        extend_search();
         bool balanced = pass_or_recut();
         is_hopeless_ = is_hopeless(patchwork);
         for (int i = 0; i < kBalanceTries && !balanced && !is_hopeless_ && cuts_left_ > 0 &&
-             !deadline_.is_overdue();
+             !search_deadline_.expired();
              ++i) {
             // Shake the boundaries with a strong pull towards balance, whatever the time limit.
             const AnnealSchedule schedule =
@@ -459,6 +475,8 @@ private:
     const ComponentTask& task_;
     const int submesh_count_;
     const Deadline& deadline_;
+    /// Of searches for a balance.
+    Deadline search_deadline_;
     const Deadline unlimited_;
     const Progress& progress_;
     Progress start_progress_;
@@ -475,6 +493,8 @@ private:
     std::uint64_t seed_ = 0;
     bool is_warm_ = false;
     bool is_hurried_ = false;
+    /// Since then, until a balance is searched for.
+    std::optional<StopWatch> hurry_watch_;
     bool was_cut_short_ = false;
     /// Where a balance was last searched for, so much stayed off that only another kind of start is
     /// worth a try.

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace spheroseg {
@@ -53,18 +54,24 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// A time limit that runs from when it is made.
+/// A time limit that runs from when it, or what it is a copy of, is made.
 class Deadline {
 public:
     /// `limit_seconds` <= 0: no limit.
     explicit Deadline(double limit_seconds = 0.0) : limit_seconds_(limit_seconds) {}
 
     double elapsed_seconds() const { return watch_.elapsed_seconds(); }
-    bool expired() const { return limit_seconds_ > 0.0 && elapsed_seconds() >= limit_seconds_; }
-    /// The time is up even for further searches where a result is not valid: they may take as long
-    /// again as the limit, and a second.
-    bool is_overdue() const {
-        return limit_seconds_ > 0.0 && elapsed_seconds() >= 2.0 * limit_seconds_ + 1.0;
+    /// Infinite where there is no limit; below 0 when it has expired.
+    double left_seconds() const {
+        return limit_seconds_ > 0.0 ? limit_seconds_ - elapsed_seconds()
+                                    : std::numeric_limits<double>::infinity();
+    }
+    bool expired() const { return left_seconds() <= 0.0; }
+    /// That of searches where a result is not valid: they may take as long again, and a second.
+    Deadline for_searches() const {
+        Deadline later = *this;
+        later.limit_seconds_ = limit_seconds_ > 0.0 ? 2.0 * limit_seconds_ + 1.0 : 0.0;
+        return later;
     }
 
 private:

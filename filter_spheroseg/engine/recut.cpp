@@ -68,7 +68,7 @@ public:
                 if (unreported_faces_ >= kFacesPerReport) {
                     unreported_faces_ = 0;
                     report_progress(progress_, 0.0, "Balancing");
-                    if (deadline_ && deadline_->is_overdue()) {
+                    if (deadline_ && deadline_->expired()) {
                         return false;
                     }
                 }

@@ -17,8 +17,8 @@ namespace spheroseg {
 /// longer, and their loads are never farther off than before. Rings may open and close, whatever
 /// `may_close_rings` says. The cuts that it makes, of large sub-meshes several for each, are taken
 /// off `cuts_left`. Returns false when it made no progress for long; when no cuts are left at the
-/// end of a round (up to 48 for each sub-mesh that is off); and, when `deadline` (may be null) is
-/// overdue, after 20,000 faces and a cut more. Deterministic but for the deadline. Throws Cancelled
+/// end of a round (up to 48 for each sub-mesh that is off); and, when `deadline` (may be null) has
+/// expired, after 20,000 faces and a cut more. Deterministic but for the deadline. Throws Cancelled
 /// when the progress callback asks for it.
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,

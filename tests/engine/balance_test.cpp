@@ -46,6 +46,25 @@ TEST(Balance, ExactBalanceOfTwoToFourFacesEachNeedsNoAnnealing) {
     }
 }
 
+TEST(Balance, StopsWhenTheTimeIsUp) {
+    const Levels levels(displaced_sphere(4));
+    const int face_count = levels.mesh.face_count();
+    const Patchwork ragged = ragged_patchwork(levels, face_count / 3, 1);
+    const auto reports_until = [&](const Deadline* deadline, Patchwork patchwork) {
+        int reports = 0;
+        balance_exactly(patchwork, deadline, [&](double, const char*) {
+            ++reports;
+            return true;
+        });
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+        EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
+        return reports;
+    };
+    const Deadline deadline(1e-9);
+    EXPECT_GT(reports_until(nullptr, ragged), 3);
+    EXPECT_EQ(reports_until(&deadline, ragged), 1);
+}
+
 TEST(Balance, IsHopelessWhereMoreThanAHundredAndOneOfFiftyAreOff) {
     const Levels levels(displaced_sphere(5)); // 20,480 faces
     for (const auto& [k, most_off] : {std::pair{64, 64}, {2048, 100}, {5120, 102}, {10240, 204}}) {

@@ -114,11 +114,10 @@ TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     repair(patchwork);
     ASSERT_GT(imbalance(patchwork), 0);
     const std::vector<int> before = cell_labels(patchwork);
-    const Deadline overdue(1e-9);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
-    ASSERT_TRUE(overdue.is_overdue());
+    const Deadline deadline(1e-9);
+    ASSERT_TRUE(deadline.expired());
     std::int64_t cuts_left = kManyCuts;
-    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, &overdue));
+    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, &deadline));
     EXPECT_THROW(
         recut_to_balance(patchwork, cuts_left, nullptr, [](double, const char*) { return false; }),
         Cancelled);
@@ -151,11 +150,11 @@ TEST(Recut, StopsOnTheWayToo) {
     EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
     EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
 
-    const Deadline deadline(1e-9);
+    const Deadline deadline(1.0);
     reports = 0;
     const auto wait_in_the_third = [&](double, const char*) {
         if (++reports == 3) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+            std::this_thread::sleep_for(std::chrono::seconds(1));
         }
         return true;
     };

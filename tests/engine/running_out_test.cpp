@@ -9,6 +9,7 @@
 
 #include <set>
 #include <thread>
+#include <utility>
 
 namespace spheroseg {
 namespace {
@@ -182,6 +183,23 @@ TEST(TimeLimit, OfNearlyNothingLeavesAValidResult) {
             EXPECT_TRUE(result.measures.is_valid(by_weight ? face_count : 1)) << k;
         }
     }
+}
+
+// However long everything before it takes.
+TEST(TimeLimit, LeavesTimeToSearchForABalance) {
+    PreparedMesh prepared(stacked(1000, 1), 2);
+    SegmentOptions options;
+    options.submesh_count = 250;
+    options.time_limit_seconds = 1e-9;
+    bool dawdled = false;
+    const Segmentation result = segment(prepared, options, [&](double, const char*) {
+        if (!std::exchange(dawdled, true)) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+        }
+        return true;
+    });
+    EXPECT_TRUE(result.time_limit_hit);
+    EXPECT_TRUE(result.measures.is_valid());
 }
 
 TEST(TimeLimit, ThatIsHitAtOnceGivesTheLabelsOfDraft) {
