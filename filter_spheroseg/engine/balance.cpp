@@ -19,10 +19,14 @@ constexpr std::int64_t kOneOff = 50;
 
 class Balancer {
 public:
-    Balancer(Patchwork& patchwork, const Deadline* deadline, const Progress& progress)
-        : patchwork_(patchwork), deadline_(deadline), progress_(progress), boundaries_(patchwork),
-          graph_(patchwork.submesh_count()), arc_of_(patchwork.submesh_count(), -1),
-          even_(even_loads(patchwork)), chains_(patchwork, boundaries_, even_) {}
+    Balancer(Patchwork& patchwork,
+             const Deadline* deadline,
+             const Progress& progress,
+             std::int64_t most_work)
+        : patchwork_(patchwork), deadline_(deadline), progress_(progress), work_left_(most_work),
+          boundaries_(patchwork), graph_(patchwork.submesh_count()),
+          arc_of_(patchwork.submesh_count(), -1), even_(even_loads(patchwork)),
+          chains_(patchwork, boundaries_, even_) {}
 
     bool run() {
         std::int64_t now = imbalance();
@@ -50,9 +54,10 @@ private:
     void count_work(std::int64_t faces) {
         unreported_ += faces;
         if (unreported_ >= kWorkPerReport) {
+            work_left_ -= unreported_;
             unreported_ = 0;
             report_progress(progress_, 0.0, "Balancing");
-            is_over_ = deadline_ && deadline_->expired();
+            is_over_ = work_left_ <= 0 || (deadline_ && deadline_->expired());
         }
     }
 
@@ -202,6 +207,7 @@ private:
     Patchwork& patchwork_;
     const Deadline* const deadline_;
     const Progress& progress_;
+    std::int64_t work_left_;
     bool is_over_ = false;
     std::int64_t unreported_ = 0;
     SubmeshBoundaries boundaries_;
@@ -215,8 +221,11 @@ private:
 
 } // namespace
 
-bool balance_exactly(Patchwork& patchwork, const Deadline* deadline, const Progress& progress) {
-    return Balancer(patchwork, deadline, progress).run();
+bool balance_exactly(Patchwork& patchwork,
+                     const Deadline* deadline,
+                     const Progress& progress,
+                     std::int64_t most_work) {
+    return Balancer(patchwork, deadline, progress, most_work).run();
 }
 
 bool is_hopeless(const Patchwork& patchwork) {

@@ -163,15 +163,20 @@ std::vector<int> distinct_labels(const std::vector<int>& labels) {
 
 } // namespace
 
-void adopt_labels(Patchwork& patchwork, std::uint64_t seed) {
+void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress) {
+    const auto repair_next = [&] {
+        report_progress(progress, 0.0, "Initial labels");
+        repair_unsound(patchwork);
+        report_progress(progress, 0.0, "Initial labels");
+    };
     spread_labels(patchwork);
     if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
         share_anew(patchwork, seed + kMaxRounds);
     }
-    repair_unsound(patchwork);
+    repair_next();
     for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
         share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
-        repair_unsound(patchwork);
+        repair_next();
     }
 }
 

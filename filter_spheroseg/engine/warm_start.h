@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patchwork.h"
+#include "progress.h"
 
 #include <cstdint>
 
@@ -14,8 +15,9 @@ namespace spheroseg {
 /// stays; those that are too light are dissolved, and those that are too heavy are parted by
 /// bisection, where the first part keeps the label and the others get the labels that became free.
 /// Loads are brought up to date. The patchwork is marked as by `repair` where that left a bowtie.
-/// Deterministic; `seed` shifts bisections.
-void adopt_labels(Patchwork& patchwork, std::uint64_t seed);
+/// Deterministic; `seed` shifts bisections. Throws Cancelled when the progress callback asks for
+/// it.
+void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress = {});
 
 /// Gives `labels` new names (numbers in [0, submesh_count)) so that many faces have the name that
 /// they have in `names` (-1: none): pairs of old and new name with the most common faces first.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace spheroseg {
@@ -46,23 +47,27 @@ TEST(Balance, ExactBalanceOfTwoToFourFacesEachNeedsNoAnnealing) {
     }
 }
 
-TEST(Balance, StopsWhenTheTimeIsUp) {
+TEST(Balance, StopsWhenTimeOrWorkIsUp) {
     const Levels levels(displaced_sphere(4));
     const int face_count = levels.mesh.face_count();
     const Patchwork ragged = ragged_patchwork(levels, face_count / 3, 1);
-    const auto reports_until = [&](const Deadline* deadline, Patchwork patchwork) {
+    const auto reports_until = [&](const Deadline* deadline, std::int64_t most_work) {
+        Patchwork patchwork = ragged;
         int reports = 0;
-        balance_exactly(patchwork, deadline, [&](double, const char*) {
+        const auto count = [&](double, const char*) {
             ++reports;
             return true;
-        });
+        };
+        balance_exactly(patchwork, deadline, count, most_work);
         EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
         EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
         return reports;
     };
     const Deadline deadline(1e-9);
-    EXPECT_GT(reports_until(nullptr, ragged), 3);
-    EXPECT_EQ(reports_until(&deadline, ragged), 1);
+    const std::int64_t endless = std::numeric_limits<std::int64_t>::max();
+    EXPECT_GT(reports_until(nullptr, endless), 3);
+    EXPECT_EQ(reports_until(&deadline, endless), 1);
+    EXPECT_EQ(reports_until(nullptr, 1), 1);
 }
 
 TEST(Balance, IsHopelessWhereMoreThanAHundredAndOneOfFiftyAreOff) {
