@@ -178,7 +178,9 @@ FilterSpheroSegPlugin::applyFilter(const QAction* action,
         case MEASURES:
             return measure(*document.mm());
         case LAYERS:
-            return generate_layers(document);
+            // Without the host's callback: events are not to be handled while half of the layers
+            // are there.
+            return generate_layers(document, to_progress(nullptr, watch));
         }
     } catch (const MLException&) {
         throw;
@@ -283,7 +285,7 @@ Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
     return measure_results(measures);
 }
 
-Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document) {
+Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document, const Progress& progress) {
     const MeshModel& source = *document.mm();
     const HostMesh host = read_mesh(source.cm);
     const std::vector<int> labels = read_labels(source.cm, host);
@@ -291,7 +293,7 @@ Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document) {
         throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
                            "mesh first.");
     }
-    const int layer_count = generate_submesh_layers(document, source, host, labels);
+    const int layer_count = generate_submesh_layers(document, source, host, labels, progress);
     log("%i layers made, one for each sub-mesh", layer_count);
     return {{"layer_count", layer_count}};
 }

@@ -46,7 +46,7 @@ private:
                                    const RichParameterList& parameters,
                                    const spheroseg::Progress& progress);
     spheroseg::Results measure(const MeshModel& model);
-    spheroseg::Results generate_layers(MeshDocument& document);
+    spheroseg::Results generate_layers(MeshDocument& document, const spheroseg::Progress& progress);
 
     spheroseg::PreparedMeshCache cache_;
     std::atomic<bool> running_{false};

@@ -176,12 +176,15 @@ std::vector<int> faces_by_label(const std::vector<int>& labels) {
 int generate_submesh_layers(MeshDocument& document,
                             const MeshModel& source,
                             const HostMesh& host,
-                            const std::vector<int>& labels) {
+                            const std::vector<int>& labels,
+                            const Progress& progress) {
     require_vertices(host);
     const std::vector<int> faces = faces_by_label(labels);
     PartCollector collector(host);
     NewLayers layers(document);
     for (auto begin = faces.begin(); begin != faces.end();) {
+        const auto done = static_cast<double>(begin - faces.begin());
+        report_progress(progress, done / static_cast<double>(faces.size()), "Layers");
         const int label = labels[*begin];
         const auto end =
             std::find_if(begin, faces.end(), [&](int face) { return labels[face] != label; });

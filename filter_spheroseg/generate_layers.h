@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mesh_adapter.h"
+#include "progress.h"
 
 #include <common/ml_document/mesh_document.h>
 
@@ -25,11 +26,12 @@ void copy_texture_images(const MeshModel& source, MeshModel& layer);
 /// vertices with all attributes, the textures and the transformation of `source`, normals
 /// included. `labels` has one entry per face of `host`, which was read from `source`. `source`
 /// stays the current mesh and is not changed. Returns the number of layers. When memory runs out
-/// the layers made so far are removed again. O(F log F + V). Throws InvalidInput when a face uses a
-/// deleted vertex.
+/// or it is cancelled the layers made so far are removed again. O(F log F + V). Throws InvalidInput
+/// when a face uses a deleted vertex, Cancelled when the progress callback asks for it.
 int generate_submesh_layers(MeshDocument& document,
                             const MeshModel& source,
                             const HostMesh& host,
-                            const std::vector<int>& labels);
+                            const std::vector<int>& labels,
+                            const Progress& progress);
 
 } // namespace spheroseg

@@ -40,13 +40,16 @@ int sweep_count(int face_count) {
 /// Re-inserts the vertices of a hierarchy on the sphere.
 class Mapper {
 public:
-    Mapper(const TriangleMesh& mesh, const CollapseHierarchy& hierarchy, int thread_count)
-        : hierarchy_(hierarchy), threads_(thread_count),
+    Mapper(const TriangleMesh& mesh,
+           const CollapseHierarchy& hierarchy,
+           int thread_count,
+           const Progress& progress)
+        : hierarchy_(hierarchy), threads_(thread_count), progress_(progress),
           mesh_(hierarchy, mesh.face_count(), mesh.vertex_count()),
           positions_(mesh.vertex_count(), Vec3{0.0, 0.0, 1.0}) {}
 
     /// Returns false when some vertex found no room.
-    bool run(const Attempt& attempt, const Progress& progress);
+    bool run(const Attempt& attempt);
     std::vector<Vec3>& positions() { return positions_; }
 
 private:
@@ -71,9 +74,15 @@ private:
     void gather_rings();
     void move_vertex(int index, VertexRing& ring);
     void sweep(int count);
+    void report() const {
+        report_progress(progress_,
+                        mesh_.live_face_count() / static_cast<double>(mesh_.faces().size()),
+                        "Mapping to the sphere");
+    }
 
     const CollapseHierarchy& hierarchy_;
     int threads_;
+    const Progress& progress_;
     RefiningMesh mesh_;
     std::vector<Vec3> positions_;
     /// The removed vertices in the order of the hierarchy, then those of the base.
@@ -159,6 +168,7 @@ void Mapper::sweep(int count) {
     gather_rings();
     VertexRing base_ring;
     for (int s = 0; s < count; ++s) {
+        report();
         for (int r = mesh_.round(); r < hierarchy_.round_count(); ++r) {
             const int begin = hierarchy_.round_begin[r];
             const int end = hierarchy_.round_begin[r + 1];
@@ -170,12 +180,11 @@ void Mapper::sweep(int count) {
     }
 }
 
-bool Mapper::run(const Attempt& attempt, const Progress& progress) {
+bool Mapper::run(const Attempt& attempt) {
     weights_.area_weight = attempt.area_weight;
     place_base();
-    const double face_count = static_cast<double>(mesh_.faces().size());
     while (mesh_.round() > 0) {
-        report_progress(progress, mesh_.live_face_count() / face_count, "Mapping to the sphere");
+        report();
         const int next = mesh_.round() - 1;
         const int next_face_count = mesh_.live_face_count() +
             2 * (hierarchy_.round_begin[next + 1] - hierarchy_.round_begin[next]);
@@ -239,8 +248,8 @@ Parametrization parametrize(const TriangleMesh& mesh,
     const int threads = resolve_thread_count(thread_count);
     const Progress rising = rising_progress(progress);
     for (const Attempt& attempt : kAttempts) {
-        Mapper mapper(mesh, hierarchy, threads);
-        if (mapper.run(attempt, rising) && is_valid_parametrization(mesh, mapper.positions())) {
+        Mapper mapper(mesh, hierarchy, threads, rising);
+        if (mapper.run(attempt) && is_valid_parametrization(mesh, mapper.positions())) {
             return {std::move(mapper.positions())};
         }
     }

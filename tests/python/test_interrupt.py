@@ -129,6 +129,30 @@ def test_filter_is_cancelled_and_its_mesh_set_can_be_used(filter_and_levels, par
     )
 
 
+# Half a second after it began, when most layers are still to be made.
+LAYERS_PROGRAM = """
+import os, signal, subprocess
+import host_meshes
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+mesh_set = host_meshes.ellipsoid(6)
+mesh_set.compute_scalar_by_function_per_face(q="fi")
+before = host_meshes.state(mesh_set)
+subprocess.Popen(["sh", "-c", f"sleep 0.5; kill -INT {os.getpid()}"])
+try:
+    mesh_set.generate_submesh_layers()
+except KeyboardInterrupt:
+    print(mesh_set.mesh_number(), host_meshes.state(mesh_set) == before)
+"""
+
+
+def test_layers_that_were_made_before_an_interrupt_are_removed():
+    result = subprocess.run(
+        [sys.executable, "-c", LAYERS_PROGRAM], capture_output=True, text=True, env=ENVIRONMENT
+    )
+    assert result.stdout.split() == ["1", "True"], result.stderr
+
+
 def test_own_handler_is_called_once_and_stays():
     code, told = interrupt_program("note", *SEGMENT, LONG)
     assert code == 0, told
