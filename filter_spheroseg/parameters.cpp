@@ -5,7 +5,7 @@ namespace spheroseg {
 
 namespace {
 
-// In the order of the enums in segment.h.
+// In the order of the enums in options.h.
 const QStringList kMethods = {"fast", "all_pairs"};
 const QStringList kEfforts = {"draft", "standard", "high"};
 const QStringList kDevices = {"auto", "cpu", "cuda"};

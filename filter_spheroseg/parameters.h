@@ -10,8 +10,8 @@ namespace spheroseg {
 /// The dialog of the segmentation filter for a mesh of `face_count` faces.
 RichParameterList segmentation_parameters(int face_count);
 
-/// Throws InvalidOptions for a submesh_count below 1 or a negative triangles_per_submesh; the
-/// engine's `validate` checks the rest against the mesh.
+/// Throws InvalidOptions for a submesh_count below 1 where it counts: without initial labels and
+/// triangles_per_submesh. The engine's `validate` checks the rest against the mesh.
 SegmentOptions segment_options(const RichParameterList& parameters);
 
 /// Are `initial_labels` to be read from the face quality?

@@ -11,8 +11,8 @@ namespace spheroseg {
 /// Labels the cells by recursive level-set bisection of their dual graph: each part of the graph
 /// is ordered breadth first from a face at its end, and cut where the weights of both sides are as
 /// the numbers of sub-meshes that they will hold. Every label in [0, submesh_count) gets at least
-/// one face; sub-meshes may come out disconnected. O(F log k), parallel; the result does not
-/// depend on the number of threads. `seed` shifts where each search begins.
+/// one face, if there are as many; sub-meshes may come out disconnected. O(F log k), parallel; the
+/// result does not depend on the number of threads. `seed` shifts where each search begins.
 void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count);
 
 /// One step of that, on labels that may have changed since the last one: cuts every sub-mesh l with

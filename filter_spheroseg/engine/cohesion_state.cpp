@@ -7,7 +7,8 @@ namespace spheroseg {
 
 namespace {
 
-/// Coordinates are summed as multiples of 2^-36: exact whatever the order, up to 2^26 faces.
+/// Coordinates are summed as multiples of 2^-36: exact whatever the order, up to 2^26
+/// faces of one sub-mesh.
 constexpr double kFixedPointScale = 0x1.0p36;
 
 } // namespace

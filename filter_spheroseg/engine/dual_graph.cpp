@@ -5,7 +5,6 @@
 #include "threads.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 
 namespace spheroseg {
@@ -92,7 +91,7 @@ void check_size(std::size_t face_count, std::size_t vertex_count) {
     if (face_count > std::size_t{kMaxFaces}) {
         refuse(face_count, " triangles", kMaxFaces);
     }
-    constexpr int kMaxVertices = std::numeric_limits<int>::max() - 1;
+    constexpr int kMaxVertices = 1 << 30; // leaves numbers for those that close holes
     if (vertex_count > std::size_t{kMaxVertices}) {
         refuse(vertex_count, " vertices", kMaxVertices);
     }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <sstream>
 
 namespace spheroseg {
 
@@ -32,12 +31,11 @@ void check_face_weights(const std::vector<double>& weights, int face_count) {
         any_positive = any_positive || weights[f] > 0.0;
     }
     if (bad_count > 0) {
-        std::ostringstream text;
-        text << "Face weights must be finite and 0 or more, but " << bad_count << " of "
-             << face_count << (bad_count == 1 ? " is" : " are") << " not; the first is face "
-             << first_bad << " with " << weights[first_bad]
-             << ". Correct the weights, or balance by triangle_count.";
-        throw InvalidOptions(text.str());
+        throw InvalidOptions("Face weights must be finite and 0 or more, but " +
+                             std::to_string(bad_count) + " of " + std::to_string(face_count) +
+                             (bad_count == 1 ? " is" : " are") + " not; the first is face " +
+                             std::to_string(first_bad) + " with " + to_text(weights[first_bad]) +
+                             ". Correct the weights, or balance by triangle_count.");
     }
     if (!any_positive) {
         throw InvalidOptions("At least one face weight above 0 is expected, but all " +

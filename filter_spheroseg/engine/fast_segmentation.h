@@ -71,9 +71,10 @@ struct ComponentResult {
 /// on the finest level; if they are valid and balanced already, they also compete with the results.
 /// Sub-meshes get the numbers that many of their faces had (rename_like).
 ///
-/// The time limit cuts the annealing short, not what makes the result valid. `whole` is the mesh
-/// that the component is where that can be mapped to the sphere, else null. Throws Cancelled,
-/// DeviceError.
+/// The time limit cuts the annealing short; where there is no valid result then, one is made as
+/// `draft` makes it, and its balance is searched for in up to ten times the time that it took.
+/// `whole` is the mesh that the component is where that can be mapped to the sphere, else null.
+/// Throws Cancelled, DeviceError.
 ComponentResult segment_component(Component& component,
                                   PreparedMesh* whole,
                                   const SegmentOptions& options,

@@ -17,12 +17,9 @@ Multilevel::Multilevel(const TriangleMesh& mesh, const DualGraph& dual_graph, in
 
 Multilevel Multilevel::with_weights(const std::vector<int>& weights) const {
     Multilevel weighted = *this;
-    weighted.weight_before_.clear();
-    if (!weights.empty()) {
-        weighted.weight_before_.push_back(0);
-        for (int f : levels_->face_at) {
-            weighted.weight_before_.push_back(weighted.weight_before_.back() + weights[f]);
-        }
+    weighted.weight_before_.assign(1, 0);
+    for (int f : levels_->face_at) {
+        weighted.weight_before_.push_back(weighted.weight_before_.back() + weights[f]);
     }
     return weighted;
 }

@@ -18,7 +18,7 @@ public:
     Multilevel(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count = 1);
 
     /// The same levels, which are not copied, with weights: one whole number >= 1 per face of the
-    /// input mesh, with a sum below 2^30; empty: all 1.
+    /// input mesh, with a sum below 2^30.
     Multilevel with_weights(const std::vector<int>& weights) const;
 
     /// The coarsest level with at least `min_face_count` cells (the finest one if there is none),

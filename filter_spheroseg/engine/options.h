@@ -22,15 +22,16 @@ struct SegmentOptions {
     Device device = Device::automatic;
     /// Same seed, same labels: for any thread count, on every run.
     std::uint64_t seed = 0;
-    /// 0: all cores.
+    /// 0: all cores; at most 256, or as many as there are cores, are used.
     int thread_count = 0;
     /// 0: until converged. With a limit below what it does on all its levels `fast` makes one start
     /// where it would choose among several.
     int max_cohesion_iterations = 0;
     int max_refinement_iterations = 0;
     /// 0: none. When it is hit the result is still valid and balanced as far as the method
-    /// guarantees it, and `time_limit_hit` is set. What is prepared before the first sub-mesh is
-    /// not limited.
+    /// guarantees it, and `time_limit_hit` is set; where that needs searches, they end when twice
+    /// the limit and a second have passed, or ten times what a draft without them takes. What is
+    /// prepared before the first sub-mesh is not limited.
     double time_limit_seconds = 0.0;
     /// What the sub-meshes shall have the same of; `weight` is for `fast` only.
     Balance balance = Balance::triangle_count;

@@ -10,7 +10,8 @@ namespace spheroseg {
 /// neighbours plus an offset that grows while the sub-mesh is too heavy. Rounds the sub-meshes and
 /// evens out their loads; every sub-mesh keeps at least its centre and stays edge-connected.
 /// O(iterations * F); parallel, the same for any number of threads. Throws Cancelled.
-/// Of `control` the phases are the iterations; boundary edges are those before each.
+/// Loads must be up to date. Of `control` the phases are the iterations; boundary edges are those
+/// before each.
 void relax(Patchwork& patchwork, int iterations, int thread_count, const AnnealControl& control);
 
 } // namespace spheroseg

@@ -246,18 +246,7 @@ private:
     void keep_disks() {
         const int submesh_count = patchwork_.submesh_count();
         const int face_count = patchwork_.face_count();
-        std::vector<int> begin(submesh_count + 1, 0);
-        for (const Cell& cell : patchwork_.cells) {
-            ++begin[cell.label + 1];
-        }
-        for (int l = 0; l < submesh_count; ++l) {
-            begin[l + 1] += begin[l];
-        }
-        std::vector<int> faces(face_count);
-        std::vector<int> fill(begin.begin(), begin.end() - 1);
-        for (int f = 0; f < face_count; ++f) {
-            faces[fill[patchwork_.cells[f].label]++] = f;
-        }
+        const auto [begin, faces] = sort_by_label(patchwork_);
         std::vector<int> seeds(submesh_count, -1);
         std::vector<std::uint8_t> seen(face_count, 0);
         for (int l = 0; l < submesh_count; ++l) {

@@ -30,12 +30,19 @@ public:
     void run() {
         double missed = -1.0;
         double reached = heaviest_load(patchwork_) / mean_ - 1.0;
+        const auto note = [&](double above_mean, int step) {
+            if (reach(above_mean, step)) {
+                reached = above_mean;
+            } else {
+                missed = above_mean;
+            }
+        };
         for (int i = 0; i < kStepCount && missed < 0.0 && (i == 0 || !expired()); ++i) {
-            (reach(kSteps[i], i) ? reached : missed) = kSteps[i];
+            note(kSteps[i], i);
         }
         for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed && !expired(); ++i) {
             const double middle = 0.5 * (reached + missed);
-            (reach(middle, kStepCount) ? reached : missed) = middle;
+            note(middle, kStepCount);
         }
         patchwork_ = best_;
     }
