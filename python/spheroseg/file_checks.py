@@ -14,19 +14,20 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
+from spheroseg.counts import Counts
 from spheroseg.errors import InputError
-from spheroseg.obj_checks import obj_triangle_count
+from spheroseg.obj_checks import obj_counts
 from spheroseg.ply_faces import (
     FILLING,
     PLY_TYPES,
     Element,
     header_words,
+    ply_counts,
     ply_elements,
     ply_format,
-    ply_triangle_count,
 )
 
-#: Of the formats that `checked_triangle_count` knows.
+#: Of the formats that `checked_counts` knows.
 CHECKED_SUFFIXES = (".ply", ".off", ".obj", ".qobj", ".stl")
 _HEAD_BYTES = 65536
 _BLOCK_BYTES = 2**22
@@ -60,23 +61,23 @@ def check_name(path: Path) -> None:
         raise InputError(f"{shown}: the name is not UTF-8; rename the file or folder") from None
 
 
-def checked_triangle_count(path: Path) -> int | None:
-    """Number of triangles that the faces of a ply, off, obj or stl file make, were none left out.
+def checked_counts(path: Path) -> Counts:
+    """Of a ply, off, obj or stl file, the latter without vertices, as it shares none.
 
-    None where it is not known. Raises InputError for a file that is damaged in such a way.
+    Raises InputError for a file that is damaged in such a way.
     """
     suffix = path.suffix.lower()
     if suffix in (".obj", ".qobj"):
-        return obj_triangle_count(path)
+        return obj_counts(path)
     check = {".ply": _check_ply, ".off": _check_off, ".stl": _check_stl}.get(suffix)
     if check is None:
-        return None
+        return Counts()
     size = path.stat().st_size
     with path.open("rb") as file:
         return check(path, file.read(_HEAD_BYTES), size)
 
 
-def _check_ply(path: Path, head: bytes, size: int) -> int | None:
+def _check_ply(path: Path, head: bytes, size: int) -> Counts:
     end = re.search(rb"^[ \t\r]*end_header([ \t\r][^\n]*)?(\n|\Z)", head, re.M)
     if end is None:
         raise InputError(
@@ -112,7 +113,7 @@ def _check_ply(path: Path, head: bytes, size: int) -> int | None:
         least = _ply_bytes(element, form == "ascii")
         _require(path, size - len(header) - needed, element.count, _PLURALS.get(name, name), least)
         needed += element.count * least
-    return ply_triangle_count(path, header, end.end())
+    return ply_counts(path, header, end.end())
 
 
 def _check_ply_lines(path: Path, header: bytes) -> None:
@@ -147,7 +148,7 @@ def _ply_bytes(element: Element, is_text: bool) -> int:
     return sum(np.dtype(one.length_code or one.code).itemsize for one in element.properties)
 
 
-def _check_off(path: Path, _: bytes, size: int) -> int | None:
+def _check_off(path: Path, _: bytes, size: int) -> Counts:
     """Follows PyMeshLab, which takes the numbers of vertices one after the other, but faces line by
     line, and follows an index beyond the vertices."""
     with path.open("rb") as file:
@@ -156,7 +157,7 @@ def _check_off(path: Path, _: bytes, size: int) -> int | None:
             keyword, *counts = next(lines)
             counts = counts or next(lines)
             if b"OFF" not in keyword or len(counts) < 3:
-                return None  # PyMeshLab says what is wrong
+                return Counts()  # PyMeshLab says what is wrong
             vertex_count = _off_count(path, size, counts[0], "vertices", 6)
             face_count = _off_count(path, size, counts[1], "faces", 4)
             _skip_off_vertices(path, lines, vertex_count, keyword.rpartition(b"OFF")[0])
@@ -172,7 +173,7 @@ def _check_off(path: Path, _: bytes, size: int) -> int | None:
                     f"{path}: goes on with '{_shown([line.strip()])}' behind the {face_count:,} "
                     "faces that the header declares; its counts are wrong, or the file is damaged"
                 )
-    return _triangle_count(corners)
+    return Counts(_triangle_count(corners), vertex_count)
 
 
 def _off_lines(path: Path, file: BinaryIO) -> Iterator[list[bytes]]:
@@ -245,10 +246,10 @@ def _off_corner_count(path: Path, lines: Iterator[list[bytes]], vertex_count: in
     return corner_count
 
 
-def _check_stl(path: Path, head: bytes, size: int) -> int:
+def _check_stl(path: Path, head: bytes, size: int) -> Counts:
     sample = head[80 : 80 + _STL_SAMPLE_BYTES]
     if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
-        return _stl_text_facets(path)
+        return Counts(_stl_text_facets(path))
     if size < _STL_HEADER_BYTES:
         raise InputError(f"{path}: has {size} bytes, too few for an STL file; it is damaged")
     count = int.from_bytes(head[80:84], "little")
@@ -261,7 +262,7 @@ def _check_stl(path: Path, head: bytes, size: int) -> int:
             f"{_STL_HEADER_BYTES + count * _STL_FACE_BYTES:,} bytes, but the file has {size:,}; it "
             "is damaged"
         )
-    return count
+    return Counts(count)
 
 
 def _stl_text_facets(path: Path) -> int:

@@ -18,7 +18,7 @@ from spheroseg.file_checks import (
     CHECKED_SUFFIXES,
     check_is_file,
     check_name,
-    checked_triangle_count,
+    checked_counts,
 )
 
 _NOT_FOUND = ("File does not exist", "Can't open file")
@@ -36,24 +36,51 @@ def read_mesh(path: str | os.PathLike) -> pymeshlab.MeshSet:
 
     No vertices are merged (except in STL, which has no shared vertices). Raises InputError when
     the file can not be read, has no triangles, or has faces that PyMeshLab leaves out without a
-    word, because labels would no longer line up with the file.
+    word, because labels would no longer line up with the file. Vertices that no face names are
+    left out where a coordinate is not finite.
     """
+    return read_counting_lost(path)[0]
+
+
+def read_every_vertex(path: str | os.PathLike) -> pymeshlab.MeshSet:
+    """As `read_mesh`, for what tells of vertices by their index: raises InputError where
+    `read_counting_lost` knows of vertices that are left out."""
+    mesh_set, lost = read_counting_lost(path)
+    if lost > 0:
+        raise InputError(
+            f"{path}: MeshLab's reader leaves out {lost} of its vertices, which no face names and "
+            "whose coordinates are not finite (NaN), so that indices of vertices would not be the "
+            "file's; save it again, in MeshLab or by 'spheroseg segment -o', and take the new file"
+        )
+    return mesh_set
+
+
+def read_counting_lost(path: str | os.PathLike) -> tuple[pymeshlab.MeshSet, int]:
+    """As `read_mesh`, and how many vertices of a ply, off or obj file are left out; 0 for other
+    formats, of which it is not known."""
     path = Path(path)
     check_name(path)
     check_is_file(path)
     if path.suffix.lower() in CHECKED_SUFFIXES:
-        return load(path, checked_triangle_count(path))
+        return _load_counting_lost(path)
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "mesh.ply"
         _copy_elsewhere(path, copy)
         try:
-            return load(copy, checked_triangle_count(copy))
+            return _load_counting_lost(copy)
         except InputError as error:
             reason = str(error).removeprefix(f"{copy}: ")
             raise InputError(
                 f"{path}: MeshLab's reader makes a mesh of it that can not be used ({reason}); "
                 "the file is probably damaged, export it anew"
             ) from None
+
+
+def _load_counting_lost(path: Path) -> tuple[pymeshlab.MeshSet, int]:
+    counts = checked_counts(path)
+    mesh_set = load(path, counts.triangles)
+    vertex_count = mesh_set.current_mesh().vertex_number()
+    return mesh_set, max(0, (counts.vertices or 0) - vertex_count)
 
 
 def load(path: Path, expected: int | None = None) -> pymeshlab.MeshSet:

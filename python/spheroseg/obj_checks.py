@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from spheroseg.counts import Counts
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import BLANK, PADDING, whole_numbers, word_begins
 
@@ -49,8 +50,8 @@ class _Kind:
             )
 
 
-def obj_triangle_count(path: Path) -> int:
-    """Number of triangles that the faces make.
+def obj_counts(path: Path) -> Counts:
+    """Triangles that the faces make, and vertices.
 
     Raises InputError when a face names a vertex, texture coordinate or normal that is not there.
     """
@@ -65,7 +66,7 @@ def obj_triangle_count(path: Path) -> int:
         texture.check(path)
     if normal.count == vertex.count:  # PyMeshLab takes no others
         normal.check(path)
-    return triangle_count
+    return Counts(triangle_count, vertex.count)
 
 
 def _blocks(path: Path) -> Iterator[bytes]:

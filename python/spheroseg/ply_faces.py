@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from spheroseg.counts import Counts
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import PADDING, number_kinds, whole_numbers, word_begins
 
@@ -118,12 +119,13 @@ def ply_format(header: bytes) -> str | None:
     return found and found[1].decode()
 
 
-def ply_triangle_count(path: Path, header: bytes, start: int) -> int | None:
-    """Number of triangles that the faces make, in a file with a sound header and its body from the
-    byte `start` on.
+def ply_counts(path: Path, header: bytes, start: int) -> Counts:
+    """Triangles that the faces make, and vertices, in a file with a sound header and its body from
+    the byte `start` on.
 
-    None where there are no faces. Raises InputError for a list that PyMeshLab can not read, for a
-    face that names a vertex that is not there, and for more than the header declares.
+    No triangles are known where there are no faces. Raises InputError for a list that PyMeshLab
+    can not read, for a face that names a vertex that is not there, and for more than the header
+    declares.
     """
     body = _Body(path, header, start)
     triangle_count, vertex_count, place = None, 0, 0
@@ -143,7 +145,7 @@ def ply_triangle_count(path: Path, header: bytes, start: int) -> int | None:
         if element.name == b"vertex":
             vertex_count = element.count
     body.check_end(place)
-    return triangle_count
+    return Counts(triangle_count, vertex_count)
 
 
 class _Body:

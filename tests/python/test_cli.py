@@ -21,7 +21,7 @@ from terminal import read_terminal
 
 import spheroseg
 from spheroseg import cli, mesh_files
-from spheroseg.file_checks import checked_triangle_count
+from spheroseg.file_checks import checked_counts
 
 FEW = ["--max-cohesion-iterations", "2", "--max-refinement-iterations", "1"]
 LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
@@ -175,11 +175,69 @@ def test_segments_the_meshes_that_ship_with_pymeshlab(run, tmp_path, path):
     assert report["max_triangle_count_difference"] <= 1
     assert report["submesh_count"] == 200
     counts = np.bincount(np.load(labels_path))
-    assert counts.sum() == checked_triangle_count(path) == report["triangle_count"]
+    assert counts.sum() == checked_counts(path).triangles == report["triangle_count"]
     assert (counts.min(), counts.max()) == (
         report["min_submesh_triangles"],
         report["max_submesh_triangles"],
     )
+
+
+@pytest.fixture
+def cube_with_lost_vertices(tmp_path):
+    """A cube behind two vertices without faces that PyMeshLab leaves out."""
+    lines = CUBE.read_text().splitlines(keepends=True)
+    lost = ["v nan nan nan\n", "v 0 0 -inf\n"]
+    vertices = [line for line in lines if line.startswith("v ")]
+    faces = [
+        "f " + " ".join(str(int(word) + 2) for word in line.split()[1:]) + "\n"
+        for line in lines
+        if line.startswith("f ")
+    ]
+    path = tmp_path / "lost.obj"
+    path.write_text("".join(lost + vertices + faces))
+    return path
+
+
+def test_segment_and_parametrize_say_that_vertices_were_lost(
+    run, tmp_path, cube_with_lost_vertices
+):
+    expected, labels = tmp_path / "expected.npy", tmp_path / "labels.npy"
+    assert run("segment", CUBE, "-k", 3, "--labels", expected)[0] == 0
+    code, _, errors = run("segment", cube_with_lost_vertices, "-k", 3, "--labels", labels)
+    assert (code, errors) == (0, "")
+    assert np.array_equal(np.load(labels), np.load(expected))
+    for command in ("segment", "parametrize"):
+        output = tmp_path / f"{command}.ply"
+        code, _, errors = run(command, cube_with_lost_vertices, "-o", output)
+        assert code == 0
+        assert errors.count("\n") == 1
+        assert f"{output} is without 2 of the vertices of {cube_with_lost_vertices}" in errors
+        assert len(load_arrays(output)[0]) == 8
+    assert run("split", tmp_path / "segment.ply", "-o", tmp_path / "parts")[::2] == (0, "")
+
+
+def test_indices_of_vertices_are_refused_where_they_would_not_be_the_files(
+    run, tmp_path, cube_with_lost_vertices
+):
+    for command, output in (("export", "o.npz"), ("split", "parts")):
+        call = (command, cube_with_lost_vertices, "-k", 3, "-o", tmp_path / output)
+        code, _, errors = run(*call)
+        assert code == 2
+        assert errors.count("\n") == 1
+        assert "leaves out 2 of its vertices" in errors
+        assert not (tmp_path / output).exists()
+    batch = ("batch", cube_with_lost_vertices, "-k", 3, "-o", tmp_path / "out", "--formats")
+    code, _, errors = run(*batch, "ply,npz")
+    assert code == 1
+    assert "leaves out 2 of its vertices" in errors
+    assert run(*batch, "ply,npy", "--resume")[0] == 0
+
+
+def test_a_glb_has_no_indices_of_the_file_and_is_written(run, tmp_path, cube_with_lost_vertices):
+    pytest.importorskip("pygltflib")
+    output = tmp_path / "o.glb"
+    assert run("export", cube_with_lost_vertices, "-k", 3, "-o", output)[::2] == (0, "")
+    assert output.exists()
 
 
 def test_vertices_at_one_place_are_not_merged():

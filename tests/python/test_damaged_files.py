@@ -272,10 +272,10 @@ def test_obj_indices_are_checked_across_blocks_of_the_file(tmp_path, monkeypatch
     monkeypatch.setattr(obj_checks, "_BLOCK_BYTES", 7)
     path = tmp_path / "mesh.obj"
     path.write_text(TETRAHEDRON + "f -3 \\\n -1 \\\n -2")
-    assert obj_checks.obj_triangle_count(path) == 4
+    assert obj_checks.obj_counts(path) == (4, 4)
     path.write_text(TETRAHEDRON + "f 2 \\\n4 \\\n 3\nf 1 2 7\nv 0 0 0\n")
     with pytest.raises(InputError, match=r"line 11: a face names the vertex 7.* from 1 to 5"):
-        obj_checks.obj_triangle_count(path)
+        obj_checks.obj_counts(path)
 
 
 def grid(side, damage=""):
@@ -326,7 +326,7 @@ def test_files_of_polygons_are_read_and_counted_in_triangles(tmp_path, name):
     path = tmp_path / name
     for side in (3, 9):
         path.write_bytes(polygon_bytes(name, *grid(side)))
-        assert file_checks.checked_triangle_count(path) == 2 * (side - 1) ** 2
+        assert file_checks.checked_counts(path).triangles == 2 * (side - 1) ** 2
         assert len(faces_read(path)) == 2 * (side - 1) ** 2
 
 
@@ -338,6 +338,22 @@ def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
     assert " of the 5" in result[1]
 
 
+@pytest.mark.parametrize("name", POLYGON_FILES)
+def test_vertices_that_pymeshlab_leaves_out_are_counted(tmp_path, name):
+    vertices, faces = grid(4)
+    path = tmp_path / name
+    path.write_bytes(polygon_bytes(name, vertices + [[5, 5, 5]], faces))
+    mesh_set, lost = mesh_files.read_counting_lost(path)
+    assert (mesh_set.current_mesh().vertex_number(), lost) == (17, 0)
+    first, last = [[np.nan] * 3, [0, np.inf, 0]], [[5, 5, 5], [0, 0, np.nan]]
+    shifted = [[corner + 2 for corner in face] for face in faces]
+    path.write_bytes(polygon_bytes(name, first + vertices + last, shifted))
+    mesh_set, lost = mesh_files.read_counting_lost(path)
+    assert (mesh_set.current_mesh().vertex_number(), lost) == (17, 3)
+    with pytest.raises(InputError, match=r"leaves out 3 of its vertices"):
+        mesh_files.read_every_vertex(path)
+
+
 @pytest.mark.parametrize("order", ["big", "little"])
 def test_lengths_of_ply_lists_are_read_in_the_files_order(tmp_path, order):
     # Of 32 bits, with a long face, so that neither is like any other reading of it.
@@ -347,12 +363,12 @@ def test_lengths_of_ply_lists_are_read_in_the_files_order(tmp_path, order):
     sign = ">" if order == "big" else "<"
     path = tmp_path / "mesh.ply"
     path.write_bytes(content)
-    assert file_checks.checked_triangle_count(path) == 138
+    assert file_checks.checked_counts(path).triangles == 138
     length = struct.pack(f"{sign}I", 140)
     content = content.replace(b"list uchar", b"list int")
     content = content.replace(b"\x07\x8c", b"\x07" + length)
     path.write_bytes(content)
-    assert file_checks.checked_triangle_count(path) == 138
+    assert file_checks.checked_counts(path).triangles == 138
 
 
 PLY_HEADER = """ply

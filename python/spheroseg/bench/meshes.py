@@ -12,7 +12,7 @@ from spheroseg import mesh_files
 from spheroseg.batch.inputs import MESH_SUFFIXES
 from spheroseg.batch.jobs import sha256
 from spheroseg.errors import InputError
-from spheroseg.file_checks import checked_triangle_count
+from spheroseg.file_checks import checked_counts
 
 PYMESHLAB_SAMPLES = ("cow.obj", "airplane.obj", "bone.ply", "bunny.obj")
 # Sample, and how often each triangle is split in four; the first is the series of the exponent.
@@ -32,7 +32,7 @@ class BenchMesh:
     def triangle_count(self) -> int:
         """By the faces in the file; 0 for one that can not be used."""
         try:
-            return (checked_triangle_count(Path(self.path)) or 0) * 4**self.levels
+            return (checked_counts(Path(self.path)).triangles or 0) * 4**self.levels
         except InputError:
             return 0
 

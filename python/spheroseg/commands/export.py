@@ -19,9 +19,10 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     shared.check_output(arguments.output, *FORMATS)
-    if Path(arguments.output).suffix.lower() == ".glb":
+    is_glb = Path(arguments.output).suffix.lower() == ".glb"
+    if is_glb:
         gltf_library()
-    mesh = labelled.read(arguments)
+    mesh = labelled.read(arguments, every_vertex=not is_glb)
     submeshes = mesh.submeshes
     export(submeshes, Path(arguments.output), mesh.face_colours)
     bits = 8 * submeshes.triangles.dtype.itemsize

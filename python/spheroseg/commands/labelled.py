@@ -42,14 +42,18 @@ class LabelledMesh:
     vertex_colours: np.ndarray | None
 
 
-def read(arguments) -> LabelledMesh:
-    """The mesh with the labels of the file itself, of --labels or of a segmentation."""
+def read(arguments, every_vertex: bool = True) -> LabelledMesh:
+    """The mesh with the labels of the file itself, of --labels or of a segmentation.
+
+    `every_vertex`: what is written tells of vertices by their index in the file.
+    """
     options = api.segment_parameters(segment.segment_options(arguments))
     given = [name.replace("_", "-") for name in options] + ["weights"] * bool(arguments.weights)
     if arguments.labels and given:
         raise InputError(f"--labels brings the labels; --{given[0]} would make others")
     # The mesh lives as long as its MeshSet, so all arrays are taken here.
-    mesh_set = mesh_files.read_mesh(arguments.mesh)
+    read_file = mesh_files.read_every_vertex if every_vertex else mesh_files.read_mesh
+    mesh_set = read_file(arguments.mesh)
     labels = _labels(arguments, mesh_set, options, given)
     mesh = mesh_set.current_mesh()
     vertices = mesh.vertex_matrix()

@@ -17,11 +17,12 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     shared.check_outputs(arguments)
-    mesh_set = mesh_files.read_mesh(arguments.mesh)
+    mesh_set, lost = mesh_files.read_counting_lost(arguments.mesh)
     measures = shared.run_with_progress(
         mesh_set, arguments.mesh, "Parametrizing", api.PARAMETRIZE_FILTER
     )
     faces = mesh_set.current_mesh().face_matrix()
     atomic.write_bytes(arguments.output, ply_bytes(api.sphere_positions(mesh_set), faces))
+    shared.tell_of_lost_vertices(arguments, lost)
     shared.report(arguments, measures)
     return 0

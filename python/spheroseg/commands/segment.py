@@ -86,7 +86,7 @@ def segment_options(arguments) -> dict:
 def run(arguments) -> int:
     options = api.segment_parameters(segment_options(arguments))
     shared.check_outputs(arguments)
-    mesh_set = mesh_files.read_mesh(arguments.mesh)
+    mesh_set, lost = mesh_files.read_counting_lost(arguments.mesh)
     if arguments.weights:
         api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
     if arguments.initial_labels:
@@ -99,6 +99,7 @@ def run(arguments) -> int:
     )
     if arguments.output:
         mesh_files.save_ply(mesh_set, arguments.output)
+        shared.tell_of_lost_vertices(arguments, lost)
     if arguments.labels:
         labels = mesh_set.current_mesh().face_scalar_array()
         mesh_files.save_labels(labels, arguments.labels)

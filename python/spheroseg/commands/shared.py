@@ -3,6 +3,7 @@
 
 import contextlib
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -71,6 +72,17 @@ def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
         return as_labels(labels, mesh_set.current_mesh().face_number())
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def tell_of_lost_vertices(arguments, count: int) -> None:
+    """Warns, in one line, of vertices of MESH that the output does not have."""
+    if count > 0:
+        print(
+            f"spheroseg {arguments.command}: warning: {arguments.output} is without {count} of the "
+            f"vertices of {arguments.mesh}, which no face names and whose coordinates are not "
+            "finite (NaN); the others keep their order",
+            file=sys.stderr,
+        )
 
 
 def run_with_progress(
