@@ -140,14 +140,6 @@ def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
     assert f"{path}: is no file of weights: " in capsys.readouterr().err
 
 
-def test_a_missing_attribute_is_one_line(capsys):
-    arguments = ["segment", str(LEAF), "--balance", "weight", "--weight-attribute", "cost"]
-    assert cli.main(arguments) == 2
-    errors = capsys.readouterr().err
-    assert errors.count("\n") == 1
-    assert "cost" in errors
-
-
 @pytest.mark.parametrize("name", ["metis_kway", "metis_recursive", "region_growing"])
 def test_labels_of_other_methods_become_valid_and_mostly_stay(name):
     arrays = load_arrays(SAMPLE_FOLDER / "displaced_sphere.ply")

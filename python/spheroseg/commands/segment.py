@@ -26,14 +26,10 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", metavar="OUT.ply", help="labelled and coloured mesh")
     parser.add_argument("--labels", metavar="OUT.npy|.txt", help="labels, one per triangle")
     add_segment_options(parser)
-    weights = parser.add_mutually_exclusive_group()
-    weights.add_argument(
-        "--weight-attribute",
-        metavar="NAME",
-        help="per-face scalar attribute with the weights, for --balance weight (default: areas)",
-    )
-    weights.add_argument(
-        "--weights", metavar="FILE.npy|.txt", help="weights, one per triangle, instead"
+    parser.add_argument(
+        "--weights",
+        metavar="FILE.npy|.txt",
+        help="weights, one per triangle, for --balance weight (default: areas)",
     )
     parser.add_argument(
         "--initial-labels",
@@ -74,7 +70,7 @@ def add_segment_options(parser):
 def segment_options(arguments) -> dict:
     """The options that were given, by the filter's names."""
     names = ["submesh_count", "triangles_per_submesh", "method", "effort", "device", "seed"]
-    names += ["balance", "weight_attribute", "thread_count", "time_limit_seconds"]
+    names += ["balance", "thread_count", "time_limit_seconds"]
     names += ["max_cohesion_iterations", "max_refinement_iterations"]
     given = {name: getattr(arguments, name, None) for name in names}
     size = given["triangles_per_submesh"]
