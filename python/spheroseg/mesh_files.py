@@ -146,8 +146,8 @@ def vertex_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
 
 
 def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
-    """Writes the current mesh as binary PLY with the attributes that it has, and its textures
-    unless a file of such a name is there.
+    """Writes the current mesh as binary PLY with its colours, qualities and texture coordinates,
+    without normals and custom attributes, and its textures unless a file of such a name is there.
 
     By MeshLab's writer, which keeps texture coordinates but says nothing about a full disk: so the
     file is read again before it takes its place.
