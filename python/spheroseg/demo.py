@@ -33,12 +33,13 @@ def main(output: Path) -> None:
     spheroseg.load_plugin()
     output.mkdir(parents=True, exist_ok=True)
     mesh_path, picture_path = output / "cow.ply", output / "cow.png"
+    cow = mesh_files.sample_mesh("cow.obj")
     mesh_set = pymeshlab.MeshSet()
-    mesh_set.load_new_mesh(str(mesh_files.sample_mesh("cow.obj")))
+    mesh_set.load_new_mesh(str(cow))
     measures = mesh_set.compute_scalar_by_balanced_segmentation_per_face(
         submesh_count=SUBMESH_COUNT
     )
-    mesh_files.save_ply(mesh_set, mesh_path)
+    mesh_files.save_ply(mesh_set, mesh_path, cow)
 
     mesh = mesh_set.current_mesh()
     image = render_labels(

@@ -20,6 +20,7 @@ from spheroseg.file_checks import (
     check_name,
     checked_counts,
 )
+from spheroseg.textures import copy_textures
 
 _NOT_FOUND = ("File does not exist", "Can't open file")
 _LONGEST_REASON = 300
@@ -145,9 +146,12 @@ def vertex_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
     return np.round(255 * mesh.vertex_color_matrix()[:, :3]).astype(np.uint8)
 
 
-def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
-    """Writes the current mesh as binary PLY with its colours, qualities and texture coordinates,
-    without normals and custom attributes, and its textures unless a file of such a name is there.
+def save_ply(
+    mesh_set: pymeshlab.MeshSet, path: str | os.PathLike, source: str | os.PathLike
+) -> list[str]:
+    """Writes the current mesh, which was read from `source`, as binary PLY with its colours,
+    qualities and texture coordinates, without normals and custom attributes, and its textures
+    beside it. Returns the names of the textures that could not be copied.
 
     By MeshLab's writer, which keeps texture coordinates but says nothing about a full disk: so the
     file is read again before it takes its place.
@@ -159,17 +163,19 @@ def save_ply(mesh_set: pymeshlab.MeshSet, path: str | os.PathLike) -> None:
         try:
             mesh_set.save_current_mesh(
                 str(temporary),
-                save_textures=not any((folder / name).exists() for name in mesh.textures()),
+                save_textures=False,
                 save_vertex_color=mesh.has_vertex_color(),
                 save_vertex_quality=mesh.has_vertex_scalar(),
                 save_face_color=mesh.has_face_color(),
                 save_face_quality=mesh.has_face_scalar(),
             )
+            left_out = copy_textures(mesh, Path(source), temporary, folder)
             read_mesh(temporary)
         except (pymeshlab.PyMeshLabException, InputError) as error:
             forget_failed_call()
             message = f"could not be written whole; is the disk full? ({_reason(error, temporary)})"
             raise OSError(errno.EIO, message, str(path)) from error
+    return left_out
 
 
 def read_labels(path: str | os.PathLike) -> np.ndarray:

@@ -39,6 +39,7 @@ _CORNER_LISTS = {
     b"face": {b"vertex_index": _OF_INTS, b"vertex_indices": _OF_INTS | _OF_OTHERS | _OF_TEXTS},
     b"tristrips": {b"vertex_indices": {("i4", "i4")}},
 }
+_HEADER_BYTES = 65536
 _FEWEST_CORNERS, _MOST_CORNERS = 3, 255
 # The room that it has for lists that it keeps, and for those that it passes over in binary files.
 _KEPT_LISTS = (b"texcoord", b"color")
@@ -95,6 +96,13 @@ class _Column:
 def header_words(line: bytes) -> list[bytes]:
     """The words of a line, taken apart as PyMeshLab does it."""
     return re.findall(rb"[^ \t\r\n]+", line)
+
+
+def read_ply_header(path: Path) -> bytes:
+    """What stands before the line 'end_header' of a sound file."""
+    with path.open("rb") as file:
+        head = file.read(_HEADER_BYTES)
+    return re.split(rb"^[ \t\r]*end_header", head, maxsplit=1, flags=re.M)[0]
 
 
 def ply_elements(header: bytes) -> list[Element]:

@@ -79,7 +79,7 @@ from spheroseg import mesh_files
 print(locale.setlocale(locale.LC_CTYPE))
 mesh_set = mesh_files.read_mesh(sys.argv[1])
 for error, call in (
-    (OSError, lambda: mesh_files.save_ply(mesh_set, sys.argv[2])),
+    (OSError, lambda: mesh_files.save_ply(mesh_set, *sys.argv[2:0:-1])),
     (mesh_files.InputError, lambda: mesh_files.read_mesh(sys.argv[3])),
 ):
     try:
@@ -394,6 +394,100 @@ def test_a_mesh_may_be_replaced_and_its_texture_stays(run, tmp_path):
     assert run("segment", tmp_path / "o.ply", *few, "-o", tmp_path / "new" / "o.ply")[0] == 0
     names = {path.name for path in (tmp_path / "new").iterdir()}
     assert names == {"o.ply", "TextureDouble_A.png"}
+
+
+PNG = (PYMESHLAB_MESHES[0].parent / "TextureDouble_A.png").read_bytes()
+JPEG = b"\xff\xd8\xff\xe0 an image that PyMeshLab can not decode"
+
+
+def write_textured_cube(folder, *textures):
+    """cube.obj, each of whose first faces has a material of its own."""
+    folder.mkdir()
+    materials = "".join(f"newmtl m{i}\nmap_Kd {name}\n" for i, name in enumerate(textures))
+    (folder / "cube.mtl").write_text(materials)
+    text = CUBE.read_text()
+    faces = re.findall(r"^f .*\n", text, re.M)
+    lines = ["mtllib cube.mtl\n", text.split("f ")[0], "vt 0 0\n", "vt 1 0\n", "vt 0 1\n"]
+    for number, face in enumerate(faces):
+        if number < len(textures):
+            lines.append(f"usemtl m{number}\n")
+        corners = [corner.split("/")[0] for corner in face.split()[1:]]
+        lines.append("f " + " ".join(f"{v}/{i}" for i, v in enumerate(corners, 1)) + "\n")
+    (folder / "cube.obj").write_text("".join(lines))
+    return folder / "cube.obj"
+
+
+def named_textures(path):
+    return re.findall(r"comment TextureFile (.*)\n", path.read_bytes().decode(errors="replace"))
+
+
+def test_images_are_copied_as_they_are_whatever_pymeshlab_can_decode(run, tmp_path):
+    images = {
+        "a.jpg": JPEG,
+        "b.png": PNG,
+        "sp ace.png": PNG + b" ",
+        "../up.png": PNG,
+        "../up.jpg": JPEG + b"2",
+        "x/a.jpg": JPEG + b"3",
+    }
+    mesh = write_textured_cube(tmp_path / "in", *images)
+    (tmp_path / "in" / "x").mkdir()
+    for name, image in images.items():
+        (tmp_path / "in" / name).write_bytes(image)
+    results = [tmp_path / "out" / "1" / "o.ply", tmp_path / "out" / "2" / "o.ply"]
+    names = ["a.jpg", "b.png", "sp ace.png", "up.png", "up.jpg", "a_2.jpg"]
+    for source, result in zip([mesh, results[0]], results, strict=True):
+        result.parent.mkdir(parents=True)
+        for _ in range(2):
+            assert run("segment", source, "-k", 2, "-o", result, "-q") == (0, "", "")
+        assert named_textures(result) == names
+        written = {path.name: path.read_bytes() for path in result.parent.iterdir()}
+        assert written.keys() == {"o.ply", *names}
+        assert [written[name] for name in names] == list(images.values())
+    assert {path.name for path in tmp_path.rglob("*") if path.is_dir()} == {*"12x", "in", "out"}
+
+
+def test_no_image_that_is_there_is_replaced(run, tmp_path):
+    mesh = write_textured_cube(tmp_path / "in", "a.jpg")
+    (tmp_path / "in" / "a.jpg").write_bytes(JPEG)
+    (tmp_path / "a.jpg").write_bytes(PNG)
+    assert run("segment", mesh, "-k", 2, "-o", tmp_path / "o.ply", "-q") == (0, "", "")
+    assert (tmp_path / "a.jpg").read_bytes() == PNG
+    assert named_textures(tmp_path / "o.ply") == ["a_2.jpg"]
+    assert (tmp_path / "a_2.jpg").read_bytes() == JPEG
+
+
+def test_images_that_can_not_be_had_are_named_in_one_line(run, tmp_path):
+    mesh = write_textured_cube(tmp_path / "in", "no.png", "b.png", "../no.jpg")
+    (tmp_path / "in" / "b.png").write_bytes(PNG)
+    first, second = tmp_path / "1" / "o.ply", tmp_path / "2" / "o.ply"
+    for source, result, left_out in (
+        (mesh, first, "no.png, ../no.jpg"),
+        (first, second, "no.png, no.jpg"),
+    ):
+        result.parent.mkdir()
+        code, _, errors = run("segment", source, "-k", 2, "-o", result, "-q")
+        assert (code, errors.count("\n")) == (0, 1)
+        assert errors.endswith(f"{source} that are not there or can not be read: {left_out}\n")
+        assert named_textures(result) == ["no.png", "b.png", "no.jpg"]
+        assert {path.name for path in result.parent.iterdir()} == {"o.ply", "b.png"}
+
+
+def test_no_placeholder_is_written_for_an_image_of_another_format(run, tmp_path):
+    mesh = write_textured_cube(tmp_path / "in", "b.png")
+    (tmp_path / "in" / "b.png").write_bytes(PNG)
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(mesh))
+    mesh_set.save_current_mesh(str(tmp_path / "in" / "cube.dae"))
+    call = ("segment", tmp_path / "in" / "cube.dae", "-k", 2, "-q", "-o")
+    for folder in ("1", "2"):
+        (tmp_path / folder).mkdir()
+    assert run(*call, tmp_path / "1" / "o.ply") == (0, "", "")
+    assert {path.name for path in (tmp_path / "1").iterdir()} == {"o.ply", "b.png"}
+    (tmp_path / "in" / "b.png").write_bytes(JPEG)
+    code, _, errors = run(*call, tmp_path / "2" / "o.ply")
+    assert (code, errors.count("\n")) == (0, 1)
+    assert {path.name for path in (tmp_path / "2").iterdir()} == {"o.ply"}
 
 
 def cube_text(old="", new=""):

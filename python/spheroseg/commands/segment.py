@@ -94,7 +94,13 @@ def run(arguments) -> int:
         mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
     )
     if arguments.output:
-        mesh_files.save_ply(mesh_set, arguments.output)
+        left_out = mesh_files.save_ply(mesh_set, arguments.output, arguments.mesh)
+        if left_out:
+            shared.warn(
+                arguments,
+                f"{arguments.output} lacks textures of {arguments.mesh} that are not there or can "
+                f"not be read: {', '.join(left_out)}",
+            )
         shared.tell_of_lost_vertices(arguments, lost)
     if arguments.labels:
         labels = mesh_set.current_mesh().face_scalar_array()

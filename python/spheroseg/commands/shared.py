@@ -74,14 +74,18 @@ def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
         raise InputError(f"{path}: {error}") from None
 
 
+def warn(arguments, text: str) -> None:
+    """Says one line about a result that lacks something."""
+    print(f"spheroseg {arguments.command}: warning: {text}", file=sys.stderr)
+
+
 def tell_of_lost_vertices(arguments, count: int) -> None:
-    """Warns, in one line, of vertices of MESH that the output does not have."""
+    """Warns of vertices of MESH that the output does not have."""
     if count > 0:
-        print(
-            f"spheroseg {arguments.command}: warning: {arguments.output} is without {count} of the "
-            f"vertices of {arguments.mesh}, which no face names and whose coordinates are not "
-            "finite (NaN); the others keep their order",
-            file=sys.stderr,
+        warn(
+            arguments,
+            f"{arguments.output} is without {count} of the vertices of {arguments.mesh}, which no "
+            "face names and whose coordinates are not finite (NaN); the others keep their order",
         )
 
 

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The images of a mesh, which go where the mesh goes.
+
+PyMeshLab puts a picture of its own in place of an image that it can not decode (JPEG) or find, and
+forgets the name. So the names are read in the mesh's file, and the images are copied as they are.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from pathlib import Path
+
+import pymeshlab
+
+from spheroseg import atomic
+from spheroseg._plugin import forget_failed_call
+from spheroseg.ply_faces import read_ply_header
+
+#: What PyMeshLab calls an image that it does not have.
+_PLACEHOLDER = "dummy.png"
+_IN_PLY = re.compile(rb"^(comment TextureFile[ \t]+)([^\r\n]*[^ \t\r\n])", re.M)
+_IN_OBJ = re.compile(rb"^[ \t]*(mtllib[ \t]+)([^\r\n]*[^ \t\r\n])")
+_IN_MTL = re.compile(rb"^[ \t]*(map_Kd[ \t]+)([^\r\n]*[^ \t\r\n])", re.M | re.I)
+
+
+def copy_textures(mesh: pymeshlab.Mesh, source: Path, ply: Path, folder: Path) -> list[str]:
+    """Copies the images of a mesh that was read from `source` into `folder`, and names them in
+    `ply`, which MeshLab wrote of it.
+
+    An image keeps its name, without folders, and gets a number where another file has that name.
+    Returns the names of those that could not be copied.
+    """
+    header = read_ply_header(ply)
+    written = _names(_IN_PLY, header)
+    images = _images(source) if written else []
+    if len(images) != len(written):
+        images = [(old, []) for old in written]
+    names, left_out = [], []
+    # MeshLab keeps the order.
+    for old, (name, folders) in zip(written, images, strict=True):
+        if old not in (_PLACEHOLDER, name):
+            name, folders = old, []
+        found = filter(None, (_content(place / name) for place in folders))
+        content = next(found, None) or _decoded(mesh, old)
+        names.append(name.rpartition("/")[2])
+        if content:
+            names[-1] = _place(content, folder, names[-1])
+        else:
+            left_out.append(name)
+    if names != written:
+        following = map(os.fsencode, names)
+        renamed = _IN_PLY.sub(lambda line: line[1] + next(following), header)
+        ply.write_bytes(renamed + ply.read_bytes()[len(header) :])
+    return left_out
+
+
+def _images(source: Path) -> list[tuple[str, list[Path]]]:
+    """The names of the images in a mesh's file, each with the folders where it may be."""
+    suffix = source.suffix.lower()
+    if suffix == ".ply":
+        return [(name, [source.parent]) for name in _names(_IN_PLY, read_ply_header(source))]
+    if suffix not in (".obj", ".qobj"):
+        return []
+    with source.open("rb") as lines:
+        libraries = [name for line in lines if b"mtllib" in line for name in _names(_IN_OBJ, line)]
+    images: dict[str, list[Path]] = {}
+    for library in (source.parent / name for name in libraries):
+        for name in _names(_IN_MTL, _content(library) or b""):
+            # Options stand before the name.
+            name = name.split()[-1] if name.startswith("-") else name
+            images.setdefault(name, [source.parent, library.parent])
+    return list(images.items())
+
+
+def _names(pattern: re.Pattern[bytes], text: bytes) -> list[str]:
+    return [os.fsdecode(name).replace("\\", "/") for _, name in pattern.findall(text)]
+
+
+def _content(path: Path) -> bytes | None:
+    """What is in a file that is there and can be read."""
+    try:
+        return path.read_bytes() if path.is_file() else None
+    except OSError:
+        return None
+
+
+def _decoded(mesh: pymeshlab.Mesh, name: str) -> bytes | None:
+    """An image as PyMeshLab has it, which is without a file of its own in glTF."""
+    if name == _PLACEHOLDER or name not in mesh.textures():
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name.rpartition("/")[2]
+        try:
+            mesh.textures()[name].save(str(path))
+        except pymeshlab.PyMeshLabException:
+            forget_failed_call()
+        return _content(path)
+
+
+def _place(content: bytes, folder: Path, name: str) -> str:
+    """Writes an image unless it is there; returns the name that was free for it."""
+    path, number = folder / name, 1
+    while path.exists() and _content(path) != content:
+        number += 1
+        path = folder / f"{Path(name).stem}_{number}{Path(name).suffix}"
+    if not path.exists():
+        atomic.write_bytes(path, content)
+    return path.name
