@@ -20,6 +20,7 @@ from spheroseg.file_checks import (
     check_name,
     checked_counts,
 )
+from spheroseg.ply_faces import ply_elements, read_ply_header
 from spheroseg.textures import copy_textures
 
 _NOT_FOUND = ("File does not exist", "Can't open file")
@@ -157,6 +158,7 @@ def save_ply(
     file is read again before it takes its place.
     """
     mesh = mesh_set.current_mesh()
+    source = Path(source)
     folder = Path(path).resolve().parent
     with atomic.atomic_path(path, ".ply") as temporary:
         temporary.touch()  # fails with the reason
@@ -165,17 +167,27 @@ def save_ply(
                 str(temporary),
                 save_textures=False,
                 save_vertex_color=mesh.has_vertex_color(),
-                save_vertex_quality=mesh.has_vertex_scalar(),
+                save_vertex_quality=mesh.has_vertex_scalar() and not _misreads_quality(source),
                 save_face_color=mesh.has_face_color(),
                 save_face_quality=mesh.has_face_scalar(),
             )
-            left_out = copy_textures(mesh, Path(source), temporary, folder)
+            left_out = copy_textures(mesh, source, temporary, folder)
             read_mesh(temporary)
         except (pymeshlab.PyMeshLabException, InputError) as error:
             forget_failed_call()
             message = f"could not be written whole; is the disk full? ({_reason(error, temporary)})"
             raise OSError(errno.EIO, message, str(path)) from error
     return left_out
+
+
+def _misreads_quality(source: Path) -> bool:
+    """Whether PyMeshLab makes the vertex quality of a ply from a `confidence` of 32 bits, which it
+    takes for 64, as it does where there is no `quality` of 32 bits."""
+    if source.suffix.lower() != ".ply":
+        return False
+    elements = ply_elements(read_ply_header(source))
+    codes = {p.name: p.code for one in elements if one.name == b"vertex" for p in one.properties}
+    return codes.get(b"confidence") == "f4" != codes.get(b"quality")
 
 
 def read_labels(path: str | os.PathLike) -> np.ndarray:

@@ -490,6 +490,42 @@ def test_no_placeholder_is_written_for_an_image_of_another_format(run, tmp_path)
     assert {path.name for path in (tmp_path / "2").iterdir()} == {"o.ply"}
 
 
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+@pytest.mark.parametrize(
+    ("properties", "is_kept"),
+    [
+        (["float confidence"], False),
+        (["float32 confidence"], False),
+        (["double quality", "float confidence"], False),
+        (["float confidence", "float quality"], True),
+        (["double confidence", "double quality"], True),
+        (["float quality"], True),
+    ],
+)
+def test_vertex_quality_is_right_or_left_out(run, tmp_path, form, properties, is_kept):
+    vertices, faces = load_arrays(CUBE)
+    names = ["float x", "float y", "float z", *properties]
+    header = ["ply", f"format {form} 1.0", f"element vertex {len(vertices)}"]
+    header += [f"property {name}" for name in names]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    columns = [*vertices.T, *(np.arange(len(vertices)) + len(name) for name in properties)]
+    types = [(name, "<f8" if name.startswith("double") else "<f4") for name in names]
+    rows = np.array(list(zip(*columns, strict=True)), types)
+    corners = np.array([(3, face) for face in faces], [("count", "u1"), ("corners", "<i4", 3)])
+    body = rows.tobytes() + corners.tobytes()
+    if form == "ascii":
+        lines = [*rows.tolist(), *((3, *face) for face in faces.tolist())]
+        body = "".join(" ".join(map(str, line)) + "\n" for line in lines).encode()
+    (tmp_path / "scan.ply").write_bytes("\n".join([*header, ""]).encode() + body)
+    out = tmp_path / "o.ply"
+    assert run("segment", tmp_path / "scan.ply", "-k", 2, "-o", out, "-q") == (0, "", "")
+    mesh_set = mesh_files.read_mesh(out)
+    mesh = mesh_set.current_mesh()
+    assert mesh.has_vertex_scalar() == is_kept
+    if is_kept:
+        assert np.array_equal(mesh.vertex_scalar_array(), rows[properties[-1]])
+
+
 def cube_text(old="", new=""):
     return CUBE.read_text().replace(old, new, 1)
 
