@@ -128,7 +128,9 @@ def _submesh_colours(submeshes: SubMeshes, face_colours: np.ndarray | None) -> n
 
 
 def _materials(gltf, colours: np.ndarray) -> list:
-    linear = (colours / 255.0) ** 2.2
+    # By the transfer function of sRGB (IEC 61966-2-1).
+    share = colours / 255.0
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     return [
         gltf.Material(
             name=f"colour {index}",

@@ -141,10 +141,10 @@ def face_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
 
 
 def vertex_colours(mesh: pymeshlab.Mesh) -> np.ndarray | None:
-    """(V, 3) uint8, or None for a mesh without vertex colours."""
+    """(V, 4) uint8, the last column alpha, or None for a mesh without vertex colours."""
     if not mesh.has_vertex_color():
         return None
-    return np.round(255 * mesh.vertex_color_matrix()[:, :3]).astype(np.uint8)
+    return np.round(255 * mesh.vertex_color_matrix()).astype(np.uint8)
 
 
 def save_ply(

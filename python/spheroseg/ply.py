@@ -60,7 +60,8 @@ def _table(columns: dict[str, np.ndarray], row_count: int) -> tuple[np.ndarray, 
 
 
 def colour_properties(colours: np.ndarray | None) -> dict[str, np.ndarray]:
-    """(N, 3) uint8 colours as the properties that viewers know; none for None."""
+    """(N, 4) uint8 colours, or (N, 3) without alpha, as the properties that viewers know; none for
+    None."""
     if colours is None:
         return {}
     opaque = np.full(len(colours), 255, dtype=np.uint8)
@@ -68,5 +69,5 @@ def colour_properties(colours: np.ndarray | None) -> dict[str, np.ndarray]:
         "red": colours[:, 0],
         "green": colours[:, 1],
         "blue": colours[:, 2],
-        "alpha": opaque,
+        "alpha": colours[:, 3] if colours.shape[1] > 3 else opaque,
     }

@@ -26,7 +26,7 @@ def write_split(
     """Writes `submesh_0000.ply` and so on and, last, `manifest.json`; returns its path.
 
     Each file has the vertex property `source_vertex`, the face property `source_face` and, as face
-    `quality`, the label. `face_colours`, (F, 3) uint8, and `vertex_colours`, (V, 3), are kept where
+    `quality`, the label. `face_colours`, (F, 3) uint8, and `vertex_colours`, (V, 4), are kept where
     given. An empty sub-mesh has no file: its entry in the manifest says null. Where not all can be
     written, also after a KeyboardInterrupt, none of the new files stays.
     """

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
+from colours import bytes_of_linear
 from judge import Judge
 from mesh_paths import REPOSITORY
 from shapes import bumpy_sphere, octahedron
@@ -230,7 +231,7 @@ def glb_colours(data: bytes) -> list[list[int]]:
         material["pbrMetallicRoughness"]["baseColorFactor"][:3]
         for material in document["materials"]
     ]
-    colours = np.round(255 * np.array(linear) ** (1 / 2.2)).astype(int).tolist()
+    colours = bytes_of_linear(linear).tolist()
     return [colours[part["material"]] for part in document["meshes"][0]["primitives"]]
 
 
@@ -245,6 +246,16 @@ def test_glb_has_the_colours_of_the_faces_where_each_submesh_has_its_own(labelle
     own = glb_colours(glb_bytes(submeshes))
     assert glb_colours(glb_bytes(submeshes, one_face_differs)) == own
     assert glb_colours(glb_bytes(submeshes, np.full_like(one_face_differs, 200))) == own
+
+
+def test_glb_gives_every_shade_back(labelled):
+    pytest.importorskip("pygltflib")
+    vertices, faces, _ = labelled
+    labels = np.arange(len(faces)) % 256
+    shades = np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)
+    shades[:, 2] = 255 - shades[:, 2]
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    assert glb_colours(glb_bytes(submeshes, shades[labels])) == shades.tolist()
 
 
 def test_export_command_keeps_the_colours_of_the_filter(labelled_files, monkeypatch):
@@ -334,7 +345,7 @@ def test_split_files_give_back_the_mesh(labelled, tmp_path):
 
 def test_split_and_batch_keep_the_colours_of_vertices(labelled, tmp_path):
     vertices, faces, _ = labelled
-    colours = np.random.default_rng(4).integers(0, 256, vertices.shape, dtype=np.uint8)
+    colours = np.random.default_rng(4).integers(0, 256, (len(vertices), 4), dtype=np.uint8)
     mesh = tmp_path / "mesh.ply"
     mesh.write_bytes(ply_bytes(vertices, faces, colour_properties(colours)))
     of_place = dict(zip(map(tuple, vertices.tolist()), colours.tolist(), strict=True))
@@ -345,7 +356,7 @@ def test_split_and_batch_keep_the_colours_of_vertices(labelled, tmp_path):
     for path in written:
         meshes = pymeshlab.MeshSet()
         meshes.load_new_mesh(str(path))
-        found = np.round(255 * meshes.current_mesh().vertex_color_matrix()[:, :3]).tolist()
+        found = np.round(255 * meshes.current_mesh().vertex_color_matrix()).tolist()
         places = map(tuple, meshes.current_mesh().vertex_matrix().tolist())
         assert found == [of_place[place] for place in places]
 
