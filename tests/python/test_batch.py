@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 import pymeshlab
 import pytest
+from colours import bytes_of_linear
 from processes import (
     children,
     environment,
@@ -610,7 +611,7 @@ def glb_colours(path: Path) -> set[tuple]:
     pygltflib = pytest.importorskip("pygltflib")
     materials = pygltflib.GLTF2().load(path).materials
     linear = [material.pbrMetallicRoughness.baseColorFactor for material in materials]
-    return set(map(tuple, np.round(255 * np.array(linear) ** (1 / 2.2)).tolist()))
+    return set(map(tuple, bytes_of_linear(linear).tolist()))
 
 
 def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
@@ -633,6 +634,25 @@ def test_csv_gives_each_mesh_its_own_count_in_every_format(tmp_path):
         with np.load(output / f"{name}.npz") as arrays:
             assert len(arrays["vertex_starts"]) == count + 1
         assert len(glb_colours(output / f"{name}.glb") - ply_colours(output / f"{name}.ply")) == 0
+
+
+def test_a_manifest_lists_failed_meshes_with_the_number_that_was_asked_for(tmp_path):
+    write_mesh(tmp_path / "here.ply")
+    (tmp_path / "list.csv").write_text("mesh,k\nabsent.ply,5\nhere.ply,7\n")
+    assert main(["batch", str(tmp_path / "list.csv"), "-o", str(tmp_path / "out")]) == 1
+    write_mesh(tmp_path / "absent.ply")
+    manifest = str(tmp_path / "out" / "manifest.csv")
+    assert main(["batch", manifest, "-o", str(tmp_path / "again")]) == 0
+    assert [row["submesh_count"] for row in rows(tmp_path / "again")] == ["5", "7"]
+
+
+def test_a_link_to_a_mesh_that_is_not_there_fails(tmp_path):
+    write_mesh(tmp_path / "in" / "here.ply")
+    (tmp_path / "in" / "broken.ply").symlink_to("nowhere.ply")
+    (tmp_path / "in" / "broken.txt").symlink_to("nowhere.txt")
+    assert main(["batch", str(tmp_path / "in"), "-k", "3", "-o", str(tmp_path / "out")]) == 1
+    status = {Path(row["mesh"]).name: row["status"] for row in rows(tmp_path / "out")}
+    assert status == {"broken.ply": "failed", "here.ply": "done"}
 
 
 def test_a_count_of_a_csv_comes_before_triangles_per_submesh(tmp_path):

@@ -68,7 +68,9 @@ def _expand(text: str, results: _Results | None):
     path = Path(text)
     if path.is_dir():
         for mesh in sorted(_below(path)):
-            is_mesh = mesh.suffix.lower() in MESH_SUFFIXES and mesh.is_file()
+            is_broken_link = mesh.is_symlink() and not mesh.exists()  # of data not fetched
+            has_content = mesh.is_file() or is_broken_link
+            is_mesh = has_content and mesh.suffix.lower() in MESH_SUFFIXES
             if is_mesh and not (_is_result(mesh, path, results) or atomic.is_temporary(mesh)):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
     elif path.suffix.lower() == ".csv":

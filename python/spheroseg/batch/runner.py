@@ -360,6 +360,8 @@ def _row(record: Record) -> dict[str, Any]:
     outputs = record["outputs"]
     row = {"mesh": record["mesh"], "status": record["status"], "error": record["error"]}
     row |= {name: record.get("measures", {}).get(name) for name in _MEASURES}
+    if "measures" not in record:
+        row["submesh_count"] = settings["options"].get("submesh_count")  # as a list, of all meshes
     row |= {name: settings["options"].get(name) for name in _OPTIONS}
     row |= {
         "input_sha256": record.get("input_sha256"),
