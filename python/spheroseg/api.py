@@ -211,6 +211,23 @@ def plain(measures: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def shortcomings(measures: dict[str, Any], balance: str = "triangle_count") -> str:
+    """What the result of a segmentation has that `fast` avoids, as the filter's log says it; empty
+    for none."""
+    difference = measures["max_triangle_count_difference"]
+    best = measures["best_max_triangle_count_difference"]
+    found = []
+    if balance == "triangle_count" and difference > 1:
+        text = f"{difference} triangles between the largest and the smallest sub-mesh"
+        only = ", the fewest that its components allow"
+        found.append(text if difference > best else text + only)
+    if measures["disconnected_submesh_count"] > 0:
+        found.append(f"{measures['disconnected_submesh_count']} sub-meshes in more than one piece")
+    if measures["bowtie_count"] > 0:
+        found.append(f"{measures['bowtie_count']} bowties")
+    return ", ".join(found)
+
+
 def forget_prepared_mesh() -> None:
     """Makes the next call one on a mesh that the plugin has not seen, for a fair stop watch.
 

@@ -42,6 +42,28 @@ def run(capsys):
     return call
 
 
+@pytest.fixture
+def star(tmp_path):
+    """A triangle with one on each side: of two sub-meshes one has three triangles."""
+    path = tmp_path / "star.off"
+    places = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n-1 1 0\n1 -1 0\n"
+    path.write_text(f"OFF\n6 4 0\n{places}3 0 1 2\n3 1 3 2\n3 0 2 4\n3 0 5 1\n")
+    return path
+
+
+def test_a_result_that_is_not_balanced_is_one_warning(run, star, tmp_path):
+    code, _, errors = run("segment", star, "-k", 2, "-q")
+    assert (code, errors) == (
+        0,
+        f"spheroseg segment: warning: the result for {star} has 2 triangles between the largest "
+        "and the smallest sub-mesh\n",
+    )
+    assert run("segment", star, "-k", 4, "-q") == (0, "", "")
+    for k, told in ((2, "(1 not balanced within a triangle, in pieces or with bowties)"), (4, "")):
+        code, said, _ = run("batch", star, "-k", k, "-o", tmp_path / f"out{k}")
+        assert (code, said.split(";")[0].strip()) == (0, f"1 of 1 meshes done {told}".strip())
+
+
 def test_the_program_writes_what_it_was_asked_for_and_prints_the_measures(tmp_path):
     paths = [tmp_path / name for name in ("out.ply", "labels.txt", "out.json")]
     done = run_program(

@@ -93,9 +93,16 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
     lost = next((record["error"] for record in records if record["status"] == "undone"), None)
     if lost:
         print(f"spheroseg batch: {lost}; go on with --resume", file=sys.stderr)
-    done_count = sum(record["status"] == "done" for record in records)
-    print(f"{done_count} of {len(records)} meshes done; {manifest}")
-    return 0 if done_count == len(records) else 1
+    finished = [record for record in records if record["status"] == "done"]
+    short_count = sum(
+        bool(api.shortcomings(record["measures"], record["settings"]["options"]["balance"]))
+        for record in finished
+    )
+    short = f" ({short_count} not balanced within a triangle, in pieces or with bowties)"
+    print(
+        f"{len(finished)} of {len(records)} meshes done{short if short_count else ''}; {manifest}"
+    )
+    return 0 if len(finished) == len(records) else 1
 
 
 def _jobs(arguments) -> tuple[list[Job], int]:
