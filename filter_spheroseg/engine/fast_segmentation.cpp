@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fast_segmentation.h"
 
-#include "balance.h"
+#include "balance_search.h"
 #include "best_result.h"
 #include "bisection.h"
-#include "branch_annealing.h"
 #include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
 #include "face_weights.h"
 #include "fast_plan.h"
 #include "pair_cohesion.h"
-#include "recut.h"
 #include "relaxation.h"
 #include "repair.h"
 #include "soundness.h"
@@ -27,26 +25,13 @@ namespace spheroseg {
 
 namespace {
 
-/// Times that the balance is tried again from where it got stuck, and from another start.
-constexpr int kBalanceTries = 6;
+/// Starts, where none is balanced.
 constexpr int kMaxStarts = 6;
-/// Seconds for that, whatever the time limit is, per second of a start that is made as `draft` does
-/// it because the time is up.
+/// Seconds for the search for a balance, whatever the time limit is, per second of a start that is
+/// made as `draft` does it because the time is up.
 constexpr double kSearchOverDraft = 10.0;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
-/// Starts that pass whole branches where annealing is stuck, and sub-meshes are so large that the
-/// boundaries of recuts would be long. It takes long.
-constexpr int kStartsWithBranches = 2;
-constexpr int kLargeSubmesh = 100;
-/// Regions that are cut anew for it in all tries of the first start, per sub-mesh; in the n-th one
-/// an n-th of that. Where that found a balance it rarely took more. Without any left there are no
-/// further tries.
-constexpr std::int64_t kMostCuts = 250;
-/// Faces that are looked at to balance initial labels, per face of the mesh. Where they were near
-/// to it 4 sufficed; from random labels of 300,000 faces it took 40 to 600, more time than another
-/// start, whose boundaries were 4 to 5 % shorter.
-constexpr std::int64_t kWarmWork = 20;
 /// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
 /// on the sphere too much.
 constexpr int kManySubmeshes = 50;
@@ -202,7 +187,6 @@ private:
         cost_ = plan_.cost_of_start(start == 0 ? trials() : 1);
         seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
         history_ = {};
-        cuts_left_ = kMostCuts * submesh_count_ / (start + 1);
         start_ = start;
         is_warm_ = start == 0 && !task_.initial_labels.empty();
     }
@@ -423,41 +407,18 @@ private:
     bool balance(Patchwork& patchwork) {
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
+        BalanceSearch search(
+            patchwork, plan_.schedules(), seed_, start_, search_deadline_, progress);
         if (limit().expired()) {
-            return is_near_balance(patchwork) &&
-                balance_exactly(patchwork, &search_deadline_, progress);
+            return search.pass_faces();
         }
-        const bool are_large = mean_load(patchwork) >= kLargeSubmesh;
-        if (are_large && start_ < kStartsWithBranches && is_stuck(patchwork)) {
-            anneal_branches(
-                patchwork, plan_.schedules().branches(patchwork, seed_ + 3000), &limit(), progress);
-        }
-        const auto recut = [&] {
-            return recut_to_balance(patchwork, cuts_left_, &search_deadline_, progress);
-        };
+        search.pass_branches(limit());
         if (is_warm_) {
-            const std::int64_t most_work = kWarmWork * patchwork.face_count();
-            return is_near_balance(patchwork) &&
-                (balance_exactly(patchwork, &search_deadline_, progress, most_work) ||
-                 (!is_hopeless(patchwork) && recut()));
+            return search.balance_initial_labels();
         }
-        const auto pass_or_recut = [&] {
-            return balance_exactly(patchwork, &search_deadline_, progress) || recut();
-        };
         extend_search();
-        bool balanced = pass_or_recut();
-        is_hopeless_ = is_hopeless(patchwork);
-        for (int i = 0; i < kBalanceTries && !balanced && !is_hopeless_ && cuts_left_ > 0 &&
-             !search_deadline_.expired();
-             ++i) {
-            // Shake the boundaries with a strong pull towards balance, whatever the time limit.
-            const AnnealSchedule schedule =
-                plan_.schedules().shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
-            AnnealControl control;
-            control.progress = progress;
-            anneal(patchwork, schedule, control);
-            balanced = pass_or_recut();
-        }
+        const bool balanced = search.search();
+        is_hopeless_ = search.is_hopeless();
         return balanced;
     }
 
@@ -492,7 +453,6 @@ private:
     ComponentResult result_;
     FastPlan plan_;
     StartCost cost_ = {};
-    std::int64_t cuts_left_ = 0;
     const Multilevel* multilevel_ = nullptr;
     std::optional<Multilevel> weighted_;
     std::optional<BestResult> best_;
