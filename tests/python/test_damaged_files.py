@@ -9,6 +9,7 @@ import re
 import resource
 import signal
 import struct
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -102,11 +103,18 @@ def test_random_bytes_are_refused(outcome, name):
 
 
 def exit_code_of_fork(work):
-    """What `work` returns, or minus the signal that ended it, in a process of its own."""
+    """0 if `work` ends in a process of its own, 1 if it raises, minus the signal that ended it."""
     child = os.fork()
     if child == 0:
         signal.alarm(20)
-        os._exit(work())
+        code = 1
+        try:
+            work()
+            code = 0
+        except BaseException:
+            traceback.print_exc()
+        finally:
+            os._exit(code)
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
@@ -120,10 +128,11 @@ def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
             content[generator.randrange(len(content))] = generator.randrange(256)
 
         def read(content=bytes(content)):
-            result = outcome(name, content)
-            if result != (0, ""):
-                assert_refused(result)
-            return 0
+            code, said = outcome(name, content)
+            if code == 0:  # what is left of the cube may have parts that no equal counts fit
+                assert all(": warning: the result for " in line for line in said.splitlines())
+            else:
+                assert_refused((code, said))
 
         assert exit_code_of_fork(read) == 0, case
 
