@@ -50,7 +50,7 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
     the same, as the filter paints them; else a palette's colours are taken.
     Primitive i is sub-mesh i; its `extras` name the sub-mesh and its triangle count. An empty
     sub-mesh has no primitive, as glTF allows no empty accessor. Corners that share a vertex share
-    its normal within a sub-mesh only.
+    its normal within a sub-mesh only. The node translates a mesh that has an `origin`.
     """
     _check_positions(submeshes)
     gltf = gltf_library()
@@ -80,7 +80,7 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
         asset=gltf.Asset(version="2.0", generator="SpheroSeg"),
         scene=0,
         scenes=[gltf.Scene(nodes=[0])],
-        nodes=[gltf.Node(mesh=0, name="segmentation")],
+        nodes=[gltf.Node(mesh=0, name="segmentation", translation=_translation(submeshes))],
         meshes=[gltf.Mesh(primitives=primitives, name="segmentation")],
         materials=_materials(gltf, colours),
         accessors=blob.accessors,
@@ -98,6 +98,10 @@ def _check_positions(submeshes: SubMeshes) -> None:
             f"vertex {submeshes.source_vertices[is_beyond.argmax()]} has a coordinate beyond "
             f"{np.finfo(np.float32).max:.3g}, too large for single precision; scale the mesh down"
         )
+
+
+def _translation(submeshes: SubMeshes) -> list[float] | None:
+    return submeshes.origin.tolist() if submeshes.origin.any() else None
 
 
 def vertex_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

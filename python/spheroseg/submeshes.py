@@ -15,6 +15,8 @@ from spheroseg.errors import InputError
 MAX_SHORT_VERTICES = 65535
 # More than there are triangles are taken up to here: what is written grows with the empty ones.
 _MOST_SUBMESHES = 65536
+# Of the mesh's size: single precision keeps a position up to here within 1e-6 of that size.
+_FARTHEST = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +30,11 @@ class SubMeshes:
     vertex_starts: np.ndarray
     #: Global vertex index of each local vertex, rising within a block.
     source_vertices: np.ndarray
-    #: (n, 3) float32 position of each local vertex; infinite where that type has no such number.
+    #: (n, 3) float32 position of each local vertex, from `origin` on; infinite where that type has
+    #: no such number.
     positions: np.ndarray
+    #: (3) float64: 0, or a point amid a mesh that single precision would not hold where it lies.
+    origin: np.ndarray
     #: bool per local vertex: another sub-mesh has this vertex too.
     on_boundary: np.ndarray
     #: (k + 1) bounds of each sub-mesh in the arrays per triangle.
@@ -89,10 +94,13 @@ def split_into_submeshes(
     local = local.reshape(-1, 3) - vertex_starts[labels][:, None]
     short = np.diff(vertex_starts).max() <= MAX_SHORT_VERTICES
     neighbour_starts, neighbours, shared_edges = _adjacency(faces, labels, submesh_count)
+    points = vertices[source_vertices]
+    origin = _origin(points)
     return SubMeshes(
         vertex_starts=vertex_starts,
         source_vertices=source_vertices.astype(np.int32),
-        positions=as_single_precision(vertices[source_vertices]),
+        positions=as_single_precision(points - origin),
+        origin=origin,
         on_boundary=np.bincount(source_vertices, minlength=vertex_count)[source_vertices] > 1,
         triangle_starts=triangle_starts,
         source_triangles=source_triangles,
@@ -107,6 +115,16 @@ def _starts(owner: np.ndarray, count: int) -> np.ndarray:
     starts = np.zeros(count + 1, dtype=np.int64)
     np.cumsum(np.bincount(owner, minlength=count), out=starts[1:])
     return starts
+
+
+def _origin(points: np.ndarray) -> np.ndarray:
+    """Itself of single precision, for those who add it to positions in that."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    with np.errstate(over="ignore"):
+        size = (high - low).max()
+        centre = as_single_precision(low / 2 + high / 2).astype(np.float64)
+        is_far = np.abs(points).max() > _FARTHEST * size
+    return centre if is_far and np.isfinite(centre).all() else np.zeros(3)
 
 
 def _adjacency(faces: np.ndarray, labels: np.ndarray, submesh_count: int):

@@ -15,11 +15,15 @@ COUNTS = (5, 16)
 
 
 def write_inputs(folder: Path) -> None:
-    """Two meshes of 512 triangles; the second is tall, as people are."""
+    """Two meshes of 512 triangles; the second is tall, as people are, and far away, as in UTM
+    coordinates."""
     folder.mkdir()
-    for name, seed, height in (("first", 1, 1), ("second", 2, 4)):
+    for name, seed, height, place in (
+        ("first", 1, 1, 0),
+        ("second", 2, 4, (448_251, 5_411_932, 3)),
+    ):
         vertices, faces = bumpy_sphere(3, seed)
-        (folder / f"{name}.ply").write_bytes(ply_bytes(vertices * [1, height, 1], faces))
+        (folder / f"{name}.ply").write_bytes(ply_bytes(vertices * [1, height, 1] + place, faces))
 
 
 def evaluate(source: Path, output: Path, *more: str, methods=RUN_METHODS) -> int:

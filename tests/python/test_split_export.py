@@ -162,6 +162,42 @@ def test_npz_holds_the_documented_arrays(labelled, tmp_path):
             assert np.array_equal(stored[name], array)
 
 
+# Metres, as in UTM coordinates, where single precision tells apart 0.5.
+FAR_AWAY = np.array([448_251.75, 5_411_932.5, 35.0])
+
+
+@pytest.mark.parametrize("shift", [FAR_AWAY, 1e-3 * FAR_AWAY])
+def test_a_mesh_far_from_the_origin_keeps_its_shape(labelled, tmp_path, shift):
+    vertices, faces, labels = labelled
+    vertices = vertices + shift
+    submeshes = split_into_submeshes(vertices, faces, labels)
+    assert np.abs(submeshes.positions).max() < 2
+    export(submeshes, tmp_path / "out.npz")
+    with np.load(tmp_path / "out.npz") as stored:
+        positions = stored["positions"] + stored["origin"]
+        assert positions == pytest.approx(vertices[stored["source_vertices"]], rel=0, abs=1e-6)
+
+
+def test_only_a_mesh_far_from_the_origin_gets_another(labelled):
+    vertices, faces, labels = labelled
+    size = np.ptp(vertices, axis=0).max()
+    for far, is_moved in [(15, False), (17, True), (1e300, False)]:
+        moved = vertices + [0, 0, far * size]
+        assert split_into_submeshes(moved, faces, labels).origin.any() == is_moved
+    unnamed = np.vstack([vertices, [[1e9, np.nan, 0]]])
+    assert not split_into_submeshes(unnamed, faces, labels).origin.any()
+
+
+def test_glb_far_from_the_origin_is_where_the_mesh_is(labelled, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    pytest.importorskip("pygltflib")
+    vertices, faces, labels = labelled
+    export(split_into_submeshes(vertices + FAR_AWAY, faces, labels), tmp_path / "out.glb")
+    scene = trimesh.load_scene(tmp_path / "out.glb")
+    bounds = np.array([vertices.min(axis=0), vertices.max(axis=0)]) + FAR_AWAY
+    assert scene.bounds == pytest.approx(bounds, rel=0, abs=1e-6)
+
+
 def test_glb_is_read_by_trimesh_with_one_primitive_per_submesh(labelled, tmp_path):
     trimesh = pytest.importorskip("trimesh")
     pytest.importorskip("pygltflib")

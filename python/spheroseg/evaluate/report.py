@@ -134,6 +134,8 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
     for number, name in enumerate(dict.fromkeys(row["mesh"] for row in done)):
         with np.load(folder / arrays_file(name)) as arrays:
             vertices, faces = arrays["vertices"], arrays["faces"]
+        # Where the mesh lies is not drawn, and single precision might not hold its shape there.
+        vertices = vertices - vertices[faces[0, 0]]
         graph = build_dual_graph(faces)
         labellings = []
         in_viewer = len(faces) <= viewer_limit
