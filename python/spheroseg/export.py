@@ -54,28 +54,28 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
     """
     _check_positions(submeshes)
     gltf = gltf_library()
-    blob = _Blob(gltf)
+    first_vertices = np.repeat(submeshes.vertex_starts[:-1], np.diff(submeshes.triangle_starts))
+    normals = vertex_normals(
+        submeshes.positions, submeshes.triangles.astype(np.int64) + first_vertices[:, None]
+    )
+    arrays = _Arrays(gltf)
+    positions_of = arrays.add_vectors(submeshes.positions, submeshes.vertex_starts)
+    normals_of = arrays.add_vectors(normals, submeshes.vertex_starts)
+    corners_of = arrays.add_indices(submeshes.triangles, submeshes.triangle_starts)
     colours, materials = np.unique(
         _submesh_colours(submeshes, face_colours), axis=0, return_inverse=True
     )
-    primitives = []
-    for submesh in range(submeshes.count):
-        positions, triangles = submeshes.block(submesh)
-        if len(triangles) == 0:
-            continue
-        indices = np.ascontiguousarray(triangles).reshape(-1)
-        primitives.append(
-            gltf.Primitive(
-                attributes=gltf.Attributes(
-                    POSITION=blob.add_vectors(positions),
-                    NORMAL=blob.add_vectors(vertex_normals(positions, triangles)),
-                ),
-                indices=blob.add_indices(indices),
-                material=int(materials.flat[submesh]),
-                mode=gltf.TRIANGLES,
-                extras={"submesh": submesh, "triangle_count": len(triangles)},
-            )
+    primitives = [
+        gltf.Primitive(
+            attributes=gltf.Attributes(POSITION=positions_of[submesh], NORMAL=normals_of[submesh]),
+            indices=corners_of[submesh],
+            material=int(materials.flat[submesh]),
+            mode=gltf.TRIANGLES,
+            extras={"submesh": submesh, "triangle_count": triangle_count},
         )
+        for submesh, triangle_count in enumerate(np.diff(submeshes.triangle_starts).tolist())
+        if triangle_count > 0
+    ]
     document = gltf.GLTF2(
         asset=gltf.Asset(version="2.0", generator="SpheroSeg"),
         scene=0,
@@ -83,11 +83,11 @@ def glb_bytes(submeshes: SubMeshes, face_colours: np.ndarray | None = None) -> b
         nodes=[gltf.Node(mesh=0, name="segmentation", translation=_translation(submeshes))],
         meshes=[gltf.Mesh(primitives=primitives, name="segmentation")],
         materials=_materials(gltf, colours),
-        accessors=blob.accessors,
-        bufferViews=blob.views,
-        buffers=[gltf.Buffer(byteLength=len(blob.data))],
+        accessors=arrays.accessors,
+        bufferViews=arrays.views,
+        buffers=[gltf.Buffer(byteLength=len(arrays.data))],
     )
-    document.set_binary_blob(bytes(blob.data))
+    document.set_binary_blob(bytes(arrays.data))
     return b"".join(document.save_to_bytes())
 
 
@@ -146,8 +146,8 @@ def _materials(gltf, colours: np.ndarray) -> list:
     ]
 
 
-class _Blob:
-    """The file's binary part: each added array becomes a buffer view with an accessor."""
+class _Arrays:
+    """The file's binary part: one buffer view per array, with an accessor for each block."""
 
     def __init__(self, gltf):
         self.gltf = gltf
@@ -155,36 +155,49 @@ class _Blob:
         self.views = []
         self.accessors = []
 
-    def add_vectors(self, vectors: np.ndarray) -> int:
-        vectors = np.ascontiguousarray(vectors, dtype="<f4")
-        return self._add(
-            vectors.tobytes(),
-            self.gltf.ARRAY_BUFFER,
+    def add_vectors(self, vectors: np.ndarray, starts: np.ndarray) -> dict[int, int]:
+        """The accessor of each block that is not empty."""
+        numbers = self._add(
+            vectors.astype("<f4"),
+            starts,
+            self.gltf.BufferView(target=self.gltf.ARRAY_BUFFER, byteStride=12),
             componentType=self.gltf.FLOAT,
-            count=len(vectors),
             type=self.gltf.VEC3,
-            min=vectors.min(axis=0).tolist(),
-            max=vectors.max(axis=0).tolist(),
         )
+        first = starts[list(numbers)]
+        low, high = np.minimum.reduceat(vectors, first), np.maximum.reduceat(vectors, first)
+        for number, least, most in zip(numbers.values(), low.tolist(), high.tolist(), strict=True):
+            self.accessors[number].min, self.accessors[number].max = least, most
+        return numbers
 
-    def add_indices(self, indices: np.ndarray) -> int:
-        short = indices.dtype == np.uint16
+    def add_indices(self, triangles: np.ndarray, starts: np.ndarray) -> dict[int, int]:
+        """The same for the corners of triangles."""
+        short = triangles.dtype == np.uint16
         return self._add(
-            indices.astype("<u2" if short else "<u4").tobytes(),
-            self.gltf.ELEMENT_ARRAY_BUFFER,
+            triangles.astype("<u2" if short else "<u4").reshape(-1),
+            3 * starts,
+            self.gltf.BufferView(target=self.gltf.ELEMENT_ARRAY_BUFFER),
             componentType=self.gltf.UNSIGNED_SHORT if short else self.gltf.UNSIGNED_INT,
-            count=len(indices),
             type=self.gltf.SCALAR,
         )
 
-    def _add(self, raw: bytes, target: int, **accessor) -> int:
-        self.views.append(
-            self.gltf.BufferView(
-                buffer=0, byteOffset=len(self.data), byteLength=len(raw), target=target
-            )
-        )
-        self.data += raw
+    def _add(self, array: np.ndarray, starts: np.ndarray, view, **form) -> dict[int, int]:
+        view.buffer, view.byteOffset, view.byteLength = 0, len(self.data), array.nbytes
+        self.data += array.tobytes()
         # pygltflib 1.16 pads the views that it writes, too.
         self.data += bytes(-len(self.data) % 4)
-        self.accessors.append(self.gltf.Accessor(bufferView=len(self.views) - 1, **accessor))
-        return len(self.accessors) - 1
+        width = array.nbytes // len(array)
+        numbers = {}
+        for block in np.flatnonzero(np.diff(starts)).tolist():
+            first, end = map(int, starts[block : block + 2])
+            numbers[block] = len(self.accessors)
+            self.accessors.append(
+                self.gltf.Accessor(
+                    bufferView=len(self.views),
+                    byteOffset=width * first,
+                    count=end - first,
+                    **form,
+                )
+            )
+        self.views.append(view)
+        return numbers

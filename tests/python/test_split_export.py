@@ -236,10 +236,13 @@ def test_glb_header_buffers_and_materials_agree(labelled):
         >= (document["buffers"][0]["byteLength"])
     )
     width = {"SCALAR": 1, "VEC3": 3}
+    ends = [0] * len(document["bufferViews"])
     for accessor in document["accessors"]:
-        view = document["bufferViews"][accessor["bufferView"]]
-        size = COMPONENT_SIZES[accessor["componentType"]]
-        assert view["byteLength"] == size * width[accessor["type"]] * accessor["count"]
+        assert accessor["byteOffset"] == ends[accessor["bufferView"]]
+        size = COMPONENT_SIZES[accessor["componentType"]] * width[accessor["type"]]
+        assert document["bufferViews"][accessor["bufferView"]].get("byteStride", size) == size
+        ends[accessor["bufferView"]] += size * accessor["count"]
+    assert [view["byteLength"] for view in document["bufferViews"]] == ends
     primitives = document["meshes"][0]["primitives"]
     assert [p["extras"]["submesh"] for p in primitives] == list(range(7))
     for submesh, primitive in enumerate(primitives):
