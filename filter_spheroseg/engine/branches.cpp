@@ -11,7 +11,7 @@ namespace {
 /// fan, from 1 on; 0: another label. `around` has them in order; `closed`: the first follows the
 /// last.
 int number_fans(const Patchwork& patchwork,
-                const std::vector<int>& around,
+                const std::vector<Corner>& around,
                 bool closed,
                 int label,
                 std::vector<int>& fan_of) {
@@ -19,7 +19,7 @@ int number_fans(const Patchwork& patchwork,
     fan_of.assign(count, 0);
     int fans = 0;
     for (std::size_t i = 0; i < count; ++i) {
-        if (patchwork.label(around[i]) == label) {
+        if (patchwork.label(around[i].face) == label) {
             fan_of[i] = i > 0 && fan_of[i - 1] > 0 ? fan_of[i - 1] : ++fans;
         }
     }
@@ -28,27 +28,6 @@ int number_fans(const Patchwork& patchwork,
         --fans;
     }
     return fans;
-}
-
-/// Lists the faces around a vertex in order. True when they close to a ring.
-bool list_around(const Patchwork& patchwork, int face, int corner, std::vector<int>& around) {
-    around.assign(1, face);
-    for (int exit : {corner, previous_corner(corner)}) {
-        Step step{face, corner, exit};
-        for (;;) {
-            const int next = patchwork.neighbor(step.face, step.exit);
-            if (next == face) {
-                return true;
-            }
-            if (next < 0) {
-                break;
-            }
-            around.push_back(next);
-            step = patchwork.step_from(step);
-        }
-        std::reverse(around.begin(), around.end());
-    }
-    return false;
 }
 
 } // namespace
@@ -94,14 +73,14 @@ bool Branches::close_fans(int from, int to, std::size_t max_faces) {
 }
 
 bool Branches::close_vertex(int face, int corner, int from, int to) {
-    const bool ring = list_around(patchwork_, face, corner, around_);
+    const bool ring = list_corners(patchwork_, face, corner, around_);
     work_ += static_cast<std::int64_t>(around_.size());
     std::vector<int>& fan_of = part_;
     if (number_fans(patchwork_, around_, ring, to, fan_of) > 1) {
         // What lies between two fans of the new sub-mesh goes to it.
-        for (int f : around_) {
-            if (patchwork_.label(f) == from) {
-                add(f, to);
+        for (const Corner& other : around_) {
+            if (patchwork_.label(other.face) == from) {
+                add(other.face, to);
             }
         }
         return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
@@ -118,7 +97,7 @@ bool Branches::close_vertex(int face, int corner, int from, int to) {
     }
     for (std::size_t i = 0; i < around_.size(); ++i) {
         if (fan_of[i] > 0 && fan_of[i] != largest) {
-            add(around_[i], to);
+            add(around_[i].face, to);
         }
     }
     return number_fans(patchwork_, around_, ring, to, fan_of) == 1;

@@ -48,7 +48,7 @@ private:
     std::vector<int> search_of_;
     std::vector<Search> searches_;
     std::vector<int> branch_;
-    std::vector<int> around_;
+    std::vector<Corner> around_;
     std::vector<int> part_;
     std::int64_t work_ = 0;
 };

@@ -41,10 +41,32 @@ void apply(Patchwork& patchwork, const Move& move) {
     patchwork.load[move.to] += move.weight;
 }
 
+bool list_corners(const Patchwork& patchwork, int face, int corner, std::vector<Corner>& corners) {
+    corners.assign(1, {face, corner});
+    const auto follow = [&](int exit) {
+        Step step{face, corner, exit};
+        while (patchwork.neighbor(step.face, step.exit) >= 0) {
+            step = patchwork.step_from(step);
+            if (step.face == face) {
+                return true;
+            }
+            corners.push_back({step.face, step.at});
+        }
+        return false;
+    };
+    if (follow(corner)) {
+        return true;
+    }
+    std::reverse(corners.begin(), corners.end());
+    return follow(previous_corner(corner));
+}
+
 void sum_loads(Patchwork& patchwork) {
     std::fill(patchwork.load.begin(), patchwork.load.end(), 0);
     for (const Cell& cell : patchwork.cells) {
-        patchwork.load[cell.label] += cell.weight;
+        if (cell.label >= 0) {
+            patchwork.load[cell.label] += cell.weight;
+        }
     }
 }
 

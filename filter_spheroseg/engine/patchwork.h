@@ -79,12 +79,29 @@ void for_each_around(const Patchwork& patchwork, int face, int corner, Visit vis
     }
 }
 
+/// A corner of a face.
+struct Corner {
+    int face;
+    int at;
+};
+
+/// Lists the corners at the vertex at `corner` of `face` in order around it. True when they close
+/// to a ring: the first follows the last.
+bool list_corners(const Patchwork& patchwork, int face, int corner, std::vector<Corner>& corners);
+
 /// Sides at the vertex at `corner` of a face across which another label or an open border lies. A
 /// sub-mesh with more than two around a vertex has a bowtie there.
 inline int fan_ends(const Patchwork& patchwork, int face, int corner) {
     const int label = patchwork.label(face);
     return (patchwork.label_across(face, corner) != label) +
         (patchwork.label_across(face, previous_corner(corner)) != label);
+}
+
+/// Does another label or an open border lie across an edge of a face?
+inline bool is_at_rim(const Patchwork& patchwork, int face) {
+    const int label = patchwork.label(face);
+    return patchwork.label_across(face, 0) != label || patchwork.label_across(face, 1) != label ||
+        patchwork.label_across(face, 2) != label;
 }
 
 /// Does a face that is in no sub-mesh touch sub-mesh `to` by an edge, and would it join it without
@@ -94,7 +111,7 @@ bool may_join(const Patchwork& patchwork, int face, int to);
 /// Relabels the faces of the move and keeps `load` up to date.
 void apply(Patchwork& patchwork, const Move& move);
 
-/// Sums `load` up again.
+/// Sums `load` up again, of the faces that are in a sub-mesh.
 void sum_loads(Patchwork& patchwork);
 
 /// The load that all sub-meshes would have if they were balanced.

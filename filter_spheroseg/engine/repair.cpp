@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "repair.h"
 
+#include "disks.h"
+#include "faults.h"
 #include "soundness.h"
 
 #include <algorithm>
 #include <deque>
-#include <tuple>
 #include <utility>
 
 namespace spheroseg {
@@ -37,155 +38,9 @@ private:
 
     void keep_cores() {
         if (patchwork_.may_close_rings) {
-            keep_sound_parts();
+            free_faults(patchwork_, sound_);
         } else {
-            keep_disks();
-        }
-    }
-
-    /// Frees what hangs together with the largest piece of its sub-mesh by no edge, and the smaller
-    /// fans around a vertex.
-    void keep_sound_parts() {
-        free_small_pieces();
-        if (free_small_fans()) {
-            free_small_pieces();
-        }
-        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        for (const Cell& cell : patchwork_.cells) {
-            if (cell.label >= 0) {
-                patchwork_.load[cell.label] += cell.weight;
-            }
-        }
-    }
-
-    bool is_at_rim(int face) const {
-        const Cell& cell = patchwork_.cells[face];
-        return std::any_of(
-            cell.across, cell.across + 3, [&](int across) { return across != cell.label; });
-    }
-
-    void free_small_pieces() {
-        constexpr int kUnseen = -1;
-        std::vector<int> piece(patchwork_.cells.size(), kUnseen);
-        std::vector<int> sizes;
-        std::vector<int> largest(patchwork_.submesh_count(), kUnseen);
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            const int label = patchwork_.label(f);
-            if (piece[f] != kUnseen || label < 0) {
-                continue;
-            }
-            const auto number = static_cast<int>(sizes.size());
-            piece[f] = number;
-            queue_.assign(1, f);
-            for (std::size_t head = 0; head < queue_.size(); ++head) {
-                for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                    if (neighbor >= 0 && piece[neighbor] == kUnseen &&
-                        patchwork_.label(neighbor) == label) {
-                        piece[neighbor] = number;
-                        queue_.push_back(neighbor);
-                    }
-                }
-            }
-            sizes.push_back(static_cast<int>(queue_.size()));
-            if (largest[label] == kUnseen || sizes[number] > sizes[largest[label]]) {
-                largest[label] = number;
-            }
-        }
-        queue_.clear();
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            const int label = patchwork_.label(f);
-            if (label >= 0 && piece[f] != largest[label]) {
-                patchwork_.set_label(f, -1);
-            }
-        }
-    }
-
-    /// False if there are none. Looks around each vertex once, and again where a face leaves.
-    bool free_small_fans() {
-        seen_corners_.assign(patchwork_.cells.size(), 0);
-        queue_.clear();
-        bool any = false;
-        for (int f = 0; f < patchwork_.face_count(); ++f) {
-            for (int c = 0; c < 3; ++c) {
-                if ((seen_corners_[f] >> c & 1) == 0 && is_at_rim(f)) {
-                    any = free_small_fans_around(f, c) || any;
-                }
-            }
-        }
-        while (!queue_.empty()) {
-            const int face = queue_.back();
-            queue_.pop_back();
-            for (int c = 0; c < 3; ++c) {
-                if ((seen_corners_[face] >> c & 1) == 0) {
-                    free_small_fans_around(face, c);
-                }
-            }
-        }
-        return any;
-    }
-
-    /// Around the vertex at a corner of the face; queues what leaves, to look around its other
-    /// vertices.
-    bool free_small_fans_around(int face, int corner) {
-        list_around(face, corner);
-        fans_.clear();
-        for (std::size_t i = 0; i < around_.size(); ++i) {
-            const int label = patchwork_.label(around_[i].face);
-            if (i > 0 && label == patchwork_.label(around_[i - 1].face)) {
-                ++fans_.back().face_count;
-            } else {
-                fans_.push_back({label, static_cast<int>(i), 1});
-            }
-        }
-        std::sort(fans_.begin(), fans_.end(), [](const RimFan& a, const RimFan& b) {
-            return std::tie(a.label, b.face_count, a.begin) <
-                std::tie(b.label, a.face_count, b.begin);
-        });
-        bool any = false;
-        for (std::size_t i = 1; i < fans_.size(); ++i) {
-            const RimFan& fan = fans_[i];
-            if (fan.label == fans_[i - 1].label && fan.label >= 0 && !sound_[fan.label]) {
-                for (int j = fan.begin; j < fan.begin + fan.face_count; ++j) {
-                    const Corner& corner = around_[j];
-                    patchwork_.set_label(corner.face, -1);
-                    seen_corners_[corner.face] = 1 << corner.at;
-                    queue_.push_back(corner.face);
-                }
-                any = true;
-            }
-        }
-        return any;
-    }
-
-    /// The faces around the vertex at a corner of a face, one beside the other; the first and the
-    /// last one lie on a border, or between them the label changes, if it does anywhere.
-    void list_around(int face, int corner) {
-        around_.clear();
-        const auto list = [&](const Step& step) {
-            around_.push_back({step.face, step.at});
-            seen_corners_[step.face] |= 1 << step.at;
-        };
-        Step step{face, corner, corner};
-        list(step);
-        while (patchwork_.neighbor(step.face, step.exit) >= 0) {
-            step = patchwork_.step_from(step);
-            if (step.face == face) {
-                const auto changes = std::adjacent_find(
-                    around_.begin(), around_.end(), [&](const Corner& a, const Corner& b) {
-                        return patchwork_.label(a.face) != patchwork_.label(b.face);
-                    });
-                if (changes != around_.end()) {
-                    std::rotate(around_.begin(), changes + 1, around_.end());
-                }
-                return;
-            }
-            list(step);
-        }
-        std::reverse(around_.begin(), around_.end());
-        step = {face, corner, previous_corner(corner)};
-        while (patchwork_.neighbor(step.face, step.exit) >= 0) {
-            step = patchwork_.step_from(step);
-            list(step);
+            shrink_to_disks(patchwork_, sound_);
         }
     }
 
@@ -199,7 +54,7 @@ private:
         }
         const Patchwork before = patchwork_;
         free_around(stuck, rings);
-        keep_sound_parts();
+        free_faults(patchwork_, sound_);
         fill_empty();
         grow();
         if (free_faces().size() < stuck.size()) {
@@ -224,98 +79,22 @@ private:
         for (int ring = 0; ring < rings; ++ring) {
             for (const std::size_t end = faces.size(); begin < end; ++begin) {
                 for (int c = 0; c < 3; ++c) {
-                    list_around(faces[begin], c);
-                    for (const Corner& corner : around_) {
-                        const int label = patchwork_.label(corner.face);
+                    for_each_around(patchwork_, faces[begin], c, [&](int face, int) {
+                        const int label = patchwork_.label(face);
                         if (label >= 0) {
                             sound_[label] = 0;
-                            patchwork_.set_label(corner.face, -1);
-                            faces.push_back(corner.face);
+                            patchwork_.set_label(face, -1);
+                            faces.push_back(face);
                         }
-                    }
+                    });
                 }
             }
         }
-    }
-
-    // While a core grows, faces that may still join sub-mesh l have the label -3 - l; -2 is what
-    // lies across an open border.
-    static int candidate(int label) { return -3 - label; }
-
-    /// What grows from the deepest face of each sub-mesh without closing a ring.
-    void keep_disks() {
-        const int submesh_count = patchwork_.submesh_count();
-        const int face_count = patchwork_.face_count();
-        const auto [begin, faces] = sort_by_label(patchwork_);
-        std::vector<int> seeds(submesh_count, -1);
-        std::vector<std::uint8_t> seen(face_count, 0);
-        for (int l = 0; l < submesh_count; ++l) {
-            if (!sound_[l]) {
-                seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
-            }
-        }
-        for (int f = 0; f < face_count; ++f) {
-            patchwork_.set_own_label(f, candidate(patchwork_.label(f)));
-        }
-        patchwork_.tell_neighbors();
-        std::fill(patchwork_.load.begin(), patchwork_.load.end(), 0);
-        for (int l = 0; l < submesh_count; ++l) {
-            if (seeds[l] >= 0) {
-                grow_core(seeds[l], l);
-            }
-            for (int i = begin[l]; i < begin[l + 1] && sound_[l]; ++i) {
-                take(faces[i], l);
-            }
-        }
-        for (int f = 0; f < face_count; ++f) {
-            patchwork_.set_own_label(f, std::max(patchwork_.label(f), -1));
-        }
-        patchwork_.tell_neighbors();
-    }
-
-    /// The face of a sub-mesh that is farthest from its boundary, of the component where that is
-    /// largest; -1 when it is empty.
-    int
-    deepest(const std::vector<int>& faces, int begin, int end, std::vector<std::uint8_t>& seen) {
-        queue_.clear();
-        for (int i = begin; i < end; ++i) {
-            if (is_at_rim(faces[i])) {
-                seen[faces[i]] = 1;
-                queue_.push_back(faces[i]);
-            }
-        }
-        if (queue_.empty()) {
-            return begin < end ? faces[begin] : -1;
-        }
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            const int label = patchwork_.label(queue_[head]);
-            for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                if (neighbor >= 0 && !seen[neighbor] && patchwork_.label(neighbor) == label) {
-                    seen[neighbor] = 1;
-                    queue_.push_back(neighbor);
-                }
-            }
-        }
-        return queue_.back();
     }
 
     void take(int face, int label) {
         patchwork_.set_label(face, label);
         patchwork_.load[label] += patchwork_.cells[face].weight;
-    }
-
-    void grow_core(int seed, int label) {
-        queue_.assign(1, seed);
-        take(seed, label);
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label == candidate(label) &&
-                    may_join(patchwork_, neighbor, label)) {
-                    take(neighbor, label);
-                    queue_.push_back(neighbor);
-                }
-            }
-        }
     }
 
     /// Gives sub-mesh `label` the faces around a vertex, from a face that touches it on, that have
@@ -501,22 +280,6 @@ private:
 
     Patchwork& patchwork_;
     std::vector<std::uint8_t> sound_;
-    std::vector<int> queue_;
-    /// Bit c: fans around the vertex at corner c were looked at.
-    std::vector<std::uint8_t> seen_corners_;
-    /// Around a vertex.
-    struct Corner {
-        int face;
-        int at;
-    };
-    std::vector<Corner> around_;
-    struct RimFan {
-        int label;
-        /// In `around_`.
-        int begin;
-        int face_count;
-    };
-    std::vector<RimFan> fans_;
     Fan fan_;
     int donor_ = -1;
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "soundness.h"
 
+#include "pieces.h"
+
 #include <algorithm>
 
 namespace spheroseg {
@@ -53,26 +55,8 @@ private:
 
 std::vector<std::uint8_t> sound_submeshes(const Patchwork& patchwork) {
     std::vector<int> pieces(patchwork.submesh_count(), 0);
-    std::vector<std::uint8_t> seen(patchwork.cells.size(), 0);
-    std::vector<int> queue;
-    for (int start = 0; start < patchwork.face_count(); ++start) {
-        if (seen[start]) {
-            continue;
-        }
-        const int label = patchwork.cells[start].label;
-        ++pieces[label];
-        seen[start] = 1;
-        queue.assign(1, start);
-        while (!queue.empty()) {
-            const int face = queue.back();
-            queue.pop_back();
-            for (int neighbor : patchwork.neighbors(face)) {
-                if (neighbor >= 0 && !seen[neighbor] && patchwork.cells[neighbor].label == label) {
-                    seen[neighbor] = 1;
-                    queue.push_back(neighbor);
-                }
-            }
-        }
+    for (const Piece& piece : find_pieces(patchwork).pieces) {
+        ++pieces[piece.label];
     }
     std::vector<std::uint8_t> sound(patchwork.submesh_count());
     for (std::size_t l = 0; l < sound.size(); ++l) {

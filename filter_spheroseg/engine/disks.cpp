@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "disks.h"
+
+#include <algorithm>
+
+namespace spheroseg {
+
+namespace {
+
+class Disks {
+public:
+    Disks(Patchwork& patchwork, const std::vector<std::uint8_t>& sound)
+        : patchwork_(patchwork), sound_(sound) {}
+
+    void shrink() {
+        const int submesh_count = patchwork_.submesh_count();
+        const int face_count = patchwork_.face_count();
+        const auto [begin, faces] = sort_by_label(patchwork_);
+        std::vector<int> seeds(submesh_count, -1);
+        std::vector<std::uint8_t> seen(face_count, 0);
+        for (int l = 0; l < submesh_count; ++l) {
+            if (!sound_[l]) {
+                seeds[l] = deepest(faces, begin[l], begin[l + 1], seen);
+            }
+        }
+        for (int f = 0; f < face_count; ++f) {
+            patchwork_.set_own_label(f, candidate(patchwork_.label(f)));
+        }
+        patchwork_.tell_neighbors();
+        for (int l = 0; l < submesh_count; ++l) {
+            if (seeds[l] >= 0) {
+                grow(seeds[l], l);
+            }
+            for (int i = begin[l]; i < begin[l + 1] && sound_[l]; ++i) {
+                patchwork_.set_label(faces[i], l);
+            }
+        }
+        for (int f = 0; f < face_count; ++f) {
+            patchwork_.set_own_label(f, std::max(patchwork_.label(f), -1));
+        }
+        patchwork_.tell_neighbors();
+        sum_loads(patchwork_);
+    }
+
+private:
+    // While a disk grows, faces that may still join sub-mesh l have the label -3 - l; -2 is what
+    // lies across an open border.
+    static int candidate(int label) { return -3 - label; }
+
+    /// The face of a sub-mesh that is farthest from its boundary, of the component where that is
+    /// largest; -1 when it is empty.
+    int
+    deepest(const std::vector<int>& faces, int begin, int end, std::vector<std::uint8_t>& seen) {
+        queue_.clear();
+        for (int i = begin; i < end; ++i) {
+            if (is_at_rim(patchwork_, faces[i])) {
+                seen[faces[i]] = 1;
+                queue_.push_back(faces[i]);
+            }
+        }
+        if (queue_.empty()) {
+            return begin < end ? faces[begin] : -1;
+        }
+        for (std::size_t head = 0; head < queue_.size(); ++head) {
+            const int label = patchwork_.label(queue_[head]);
+            for (int neighbor : patchwork_.neighbors(queue_[head])) {
+                if (neighbor >= 0 && !seen[neighbor] && patchwork_.label(neighbor) == label) {
+                    seen[neighbor] = 1;
+                    queue_.push_back(neighbor);
+                }
+            }
+        }
+        return queue_.back();
+    }
+
+    void grow(int seed, int label) {
+        queue_.assign(1, seed);
+        patchwork_.set_label(seed, label);
+        for (std::size_t head = 0; head < queue_.size(); ++head) {
+            for (int neighbor : patchwork_.neighbors(queue_[head])) {
+                if (neighbor >= 0 && patchwork_.label(neighbor) == candidate(label) &&
+                    may_join(patchwork_, neighbor, label)) {
+                    patchwork_.set_label(neighbor, label);
+                    queue_.push_back(neighbor);
+                }
+            }
+        }
+    }
+
+    Patchwork& patchwork_;
+    const std::vector<std::uint8_t>& sound_;
+    std::vector<int> queue_;
+};
+
+} // namespace
+
+void shrink_to_disks(Patchwork& patchwork, const std::vector<std::uint8_t>& sound) {
+    Disks(patchwork, sound).shrink();
+}
+
+} // namespace spheroseg
