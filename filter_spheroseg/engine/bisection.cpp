@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -44,13 +45,15 @@ public:
     }
 
     /// Cuts all faces into parts, each part of a round in two, side by side.
-    void cut_all(int count, int thread_count) {
+    void cut_all(int count, int thread_count, const Progress& progress) {
         std::vector<Part> parts{{0, patchwork_.face_count(), 0, count}};
-        while (!parts.empty()) {
+        const double rounds = std::max(1.0, std::ceil(std::log2(count)));
+        for (int round = 0; !parts.empty(); ++round) {
+            report_progress(progress, std::min(1.0, round / rounds), "Bisection");
             const auto part_count = static_cast<int>(parts.size());
             std::vector<std::array<Part, 2>> halves(parts.size());
             for_each_task(part_count, thread_count, [&](int i) {
-                if (thread_count == 1 || parts[i].end - parts[i].begin <= kSmallPart) {
+                if (parts[i].end - parts[i].begin <= kSmallPart) {
                     cut_all_the_way(parts[i]);
                 } else {
                     halves[i] = cut_in_halves(parts[i]);
@@ -189,11 +192,15 @@ private:
 
 } // namespace
 
-void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count) {
+void bisect(Patchwork& patchwork,
+            int submesh_count,
+            std::uint64_t seed,
+            int thread_count,
+            const Progress& progress) {
     Bisection bisection(patchwork, seed, thread_count);
     const int face_count = patchwork.face_count();
     const int threads = threads_for(thread_count, face_count, kFacesPerThread);
-    bisection.cut_all(submesh_count, threads);
+    bisection.cut_all(submesh_count, threads, progress);
     bisection.give_labels(patchwork, submesh_count, thread_count);
 }
 

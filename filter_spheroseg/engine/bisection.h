@@ -2,6 +2,7 @@
 #pragma once
 
 #include "patchwork.h"
+#include "progress.h"
 
 #include <cstdint>
 #include <vector>
@@ -13,7 +14,12 @@ namespace spheroseg {
 /// the numbers of sub-meshes that they will hold. Every label in [0, submesh_count) gets at least
 /// one face, if there are as many; sub-meshes may come out disconnected. O(F log k), parallel; the
 /// result does not depend on the number of threads. `seed` shifts where each search begins.
-void bisect(Patchwork& patchwork, int submesh_count, std::uint64_t seed, int thread_count);
+/// Throws Cancelled; the patchwork is as before then.
+void bisect(Patchwork& patchwork,
+            int submesh_count,
+            std::uint64_t seed,
+            int thread_count,
+            const Progress& progress = {});
 
 /// One step of that, on labels that may have changed since the last one: cuts every sub-mesh l with
 /// parts[l] > 1 into parts[l] / 2 and the rest of its parts, as their weights are. The first side

@@ -27,6 +27,8 @@ namespace {
 
 /// Starts, where none is balanced.
 constexpr int kMaxStarts = 6;
+/// Of the time of bisection and relaxation.
+constexpr double kBisectionShare = 0.15;
 /// Seconds for the search for a balance, whatever the time limit is, per second of a start that is
 /// made as `draft` does it because the time is up.
 constexpr double kSearchOverDraft = 10.0;
@@ -305,9 +307,14 @@ private:
         const StopWatch watch;
         Patchwork patchwork = level_with(start < 2 && plan_.coarsens() ? plan_.coarse_face_count()
                                                                        : component_.face_count());
-        bisect(patchwork, submesh_count_, seed_, options_.thread_count);
+        const double relaxation = kBisectionShare * cost_.start_end();
+        bisect(patchwork,
+               submesh_count_,
+               seed_,
+               options_.thread_count,
+               sub_progress(start_progress_, 0.0, relaxation));
         if (start < 3) {
-            AnnealControl cohesion = control(0.0, cost_.start_end());
+            AnnealControl cohesion = control(relaxation, cost_.start_end());
             cohesion.max_phases = max_cohesion_iterations();
             const int before = history_.count();
             relax(patchwork, plan_.relaxations(), options_.thread_count, cohesion);

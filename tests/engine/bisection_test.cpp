@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace spheroseg {
@@ -55,6 +56,29 @@ TEST(Bisection, CutInTwoOfFewerCellsThanPartsLeavesEmptySubmeshes) {
     EXPECT_EQ(patchwork.load, (std::vector<int>{3, 1, 0}));
     cut_in_two(patchwork, parts, 0);
     EXPECT_EQ(patchwork.load, (std::vector<int>{3, 1, 0, 0}));
+}
+
+TEST(Bisection, ReportsProgressAndChangesNothingWhereItIsCancelled) {
+    const Levels levels(icosphere(5));
+    for (int threads : {1, 2}) {
+        Patchwork patchwork = levels.multilevel.coarsen(20480, 1);
+        std::vector<double> values;
+        bisect(patchwork, 20, 0, threads, [&](double value, const char*) {
+            values.push_back(value);
+            return true;
+        });
+        EXPECT_TRUE(std::is_sorted(values.begin(), values.end()));
+        EXPECT_GE(values.front(), 0.0);
+        EXPECT_LE(values.back(), 1.0);
+        ASSERT_GE(values.size(), 2U);
+        for (std::size_t last = 1; last <= values.size(); ++last) {
+            Patchwork other = levels.multilevel.coarsen(20480, 1);
+            std::size_t calls = 0;
+            const Progress cancel = [&](double, const char*) { return ++calls < last; };
+            EXPECT_THROW(bisect(other, 20, 0, threads, cancel), Cancelled);
+            EXPECT_EQ(cell_labels(other), std::vector<int>(20480, 0));
+        }
+    }
 }
 
 } // namespace
