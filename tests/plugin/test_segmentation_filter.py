@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import math
 import os
+import re
 import subprocess
 import sys
 
@@ -17,6 +18,7 @@ from host_meshes import (
     labels_of,
     state,
 )
+from mesh_paths import REPOSITORY
 from shapes import subdivided_sphere
 
 MEASURE_KEYS = {
@@ -94,6 +96,13 @@ def test_returns_the_documented_keys_and_types(sample):
         assert isinstance(result[key], bool)
     for key in ("submesh_count", "boundary_edge_count", "cohesion_iterations"):
         assert isinstance(result[key], int)
+
+
+def test_help_names_every_returned_key():
+    # PyMeshLab does not hand out the text of filterInfo.
+    source = (REPOSITORY / "filter_spheroseg" / "help.cpp").read_text()
+    text = "".join(re.findall(r'"([^"]*)"', source))
+    assert {key for key in SEGMENTATION_KEYS if f"<i>{key}</i>" not in text} == set()
 
 
 @pytest.mark.parametrize("submesh_count", [1, 2, 7, 60])
@@ -259,6 +268,7 @@ LOGGED = """
 import numpy as np
 import spheroseg
 from host_meshes import SEGMENTATION, document
+from mesh_paths import REPOSITORY
 from shapes import subdivided_sphere
 
 large, small = subdivided_sphere(3), subdivided_sphere(1)
