@@ -109,21 +109,22 @@ bool Branches::close_parts(int from, int to, std::size_t max_faces) {
     begin_searches(from);
     const std::size_t room = max_faces - std::min(max_faces, branch_.size());
     const auto is_open = [](const Search& search) { return search.head < search.open.size(); };
-    auto open_count = static_cast<int>(searches_.size());
+    int open_count = search_count_;
     for (bool any_goes_on = true; open_count > 1 && any_goes_on;) {
         any_goes_on = false;
-        for (std::size_t i = 0; i < searches_.size() && open_count > 1; ++i) {
+        for (int i = 0; i < search_count_ && open_count > 1; ++i) {
             if (is_open(searches_[i]) && searches_[i].faces.size() <= room) {
-                go_on(static_cast<int>(i), from);
-                open_count =
-                    static_cast<int>(std::count_if(searches_.begin(), searches_.end(), is_open));
+                go_on(i, from);
+                open_count = static_cast<int>(
+                    std::count_if(searches_.begin(), searches_.begin() + search_count_, is_open));
                 any_goes_on = true;
             }
         }
     }
     std::vector<int>& small = part_;
     small.clear();
-    for (Search& search : searches_) {
+    for (int i = 0; i < search_count_; ++i) {
+        const Search& search = searches_[i];
         for (int face : search.faces) {
             search_of_[face] = kNone;
         }
@@ -143,13 +144,20 @@ bool Branches::close_parts(int from, int to, std::size_t max_faces) {
 
 /// From each face of sub-mesh `from` beside the branch.
 void Branches::begin_searches(int from) {
-    searches_.clear();
+    search_count_ = 0;
     for (int face : branch_) {
         for (int neighbor : patchwork_.neighbors(face)) {
             if (neighbor >= 0 && patchwork_.label(neighbor) == from &&
                 search_of_[neighbor] == kNone) {
-                search_of_[neighbor] = static_cast<int>(searches_.size());
-                searches_.push_back({{neighbor}, {neighbor}, 0, search_of_[neighbor]});
+                const int number = search_count_++;
+                if (number == static_cast<int>(searches_.size())) {
+                    searches_.emplace_back();
+                }
+                Search& search = searches_[number];
+                search.clear_into(number);
+                search.faces.push_back(neighbor);
+                search.open.push_back(neighbor);
+                search_of_[neighbor] = number;
             }
         }
     }
@@ -173,7 +181,7 @@ void Branches::go_on(int number, int from) {
             search.open.insert(search.open.end(),
                                met.open.begin() + static_cast<std::ptrdiff_t>(met.head),
                                met.open.end());
-            met = {{}, {}, 0, number};
+            met.clear_into(number);
         }
     }
 }

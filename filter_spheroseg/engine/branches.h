@@ -42,11 +42,20 @@ private:
         std::size_t head;
         /// The search that goes on with it; itself as long as it goes on.
         int into;
+
+        void clear_into(int number) {
+            faces.clear();
+            open.clear();
+            head = 0;
+            into = number;
+        }
     };
 
     Patchwork& patchwork_;
     std::vector<int> search_of_;
+    /// Of those the first so many are in use; the others keep their memory.
     std::vector<Search> searches_;
+    int search_count_ = 0;
     std::vector<int> branch_;
     std::vector<Corner> around_;
     std::vector<int> part_;
