@@ -268,7 +268,6 @@ LOGGED = """
 import numpy as np
 import spheroseg
 from host_meshes import SEGMENTATION, document
-from mesh_paths import REPOSITORY
 from shapes import subdivided_sphere
 
 large, small = subdivided_sphere(3), subdivided_sphere(1)
