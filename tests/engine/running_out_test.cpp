@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <thread>
 #include <utility>
@@ -20,7 +21,8 @@ struct Trial {
     std::string name;
     TriangleMesh mesh;
     SegmentOptions options;
-    /// Calls at which two threads are cancelled, and half as many for one.
+    /// Calls at which two threads are cancelled, besides the first one of each step, and half as
+    /// many for one.
     int stops = 80;
 };
 
@@ -46,7 +48,7 @@ std::vector<Trial> trials() {
         {"fast, sphere start",
          mesh_for_a_sphere_start(),
          options_of(Method::fast, Effort::high, 50),
-         10},
+         2},
         {"fast, slivers", slivers(60, true), options_of(Method::fast, Effort::draft, 30)},
         {"all_pairs", icosphere(2), options_of(Method::all_pairs, Effort::standard, 20)},
         {"all_pairs, needle",
@@ -55,29 +57,36 @@ std::vector<Trial> trials() {
     };
 }
 
-/// Names of the steps that a run reports, and the number of calls.
-struct Calls {
-    std::set<std::string> steps;
-    int count = 0;
+/// What a run reports and returns.
+struct Watched {
+    /// The first call of each step.
+    std::map<std::string, int> first_calls;
+    int call_count = 0;
+    std::vector<int> labels;
+
+    Watched(const Trial& trial, PreparedMesh& prepared) {
+        labels = segment(prepared, trial.options, [&](double, const char* step) {
+                     first_calls.emplace(step, ++call_count);
+                     return true;
+                 }).labels;
+    }
+
+    /// About `number` calls, from the first one on.
+    std::set<int> some_calls(int number) const {
+        std::set<int> calls;
+        for (int call = 1; call <= call_count; call += 1 + call_count / number) {
+            calls.insert(call);
+        }
+        return calls;
+    }
 };
 
-Calls watch(const Trial& trial, PreparedMesh& prepared) {
-    Calls calls;
-    segment(prepared, trial.options, [&](double, const char* step) {
-        calls.steps.insert(step);
-        ++calls.count;
-        return true;
-    });
-    return calls;
-}
-
-/// Cancels runs of so many calls at one call in every so many; returns the part of them that heard
-/// of it.
+/// Cancels a run at each of these calls; returns the part of them that heard of it.
 double
-cancel_at_calls(const Trial& trial, int call_count, int every, const std::vector<int>& labels) {
+cancel_at_calls(const Trial& trial, const std::set<int>& stops, const std::vector<int>& labels) {
     int runs = 0;
     int reached = 0;
-    for (int stop = 1; stop <= call_count; stop += every) {
+    for (int stop : stops) {
         PreparedMesh prepared(trial.mesh, 2);
         int left = stop;
         bool cancelled = false;
@@ -100,19 +109,23 @@ TEST(Cancel, AtAnyCallOfEveryStepLeavesTheMeshUsable) {
     std::set<std::string> steps;
     for (Trial trial : trials()) {
         SCOPED_TRACE(trial.name);
-        PreparedMesh reference(trial.mesh, 1);
-        const Calls calls = watch(trial, reference);
-        steps.insert(calls.steps.begin(), calls.steps.end());
+        PreparedMesh fresh(trial.mesh, 1);
+        const Watched run(trial, fresh);
+        std::set<int> stops = run.some_calls(trial.stops);
+        for (const auto& [step, call] : run.first_calls) {
+            steps.insert(step);
+            stops.insert(call);
+        }
         const bool maps =
             trial.name == "fast, sphere start" || trial.options.method == Method::all_pairs;
-        EXPECT_EQ(calls.steps.count("Mapping to the sphere"), maps ? 1u : 0u);
-        const std::vector<int> expected = segment(reference, trial.options).labels;
+        EXPECT_EQ(run.first_calls.count("Mapping to the sphere"), maps ? 1u : 0u);
         // How many calls there are depends on which thread does what, where they share tasks.
-        EXPECT_GT(cancel_at_calls(trial, calls.count, 1 + calls.count / trial.stops, expected),
-                  0.0);
+        EXPECT_GT(cancel_at_calls(trial, stops, run.labels), 0.0);
         trial.options.thread_count = 1;
-        const int count = watch(trial, reference).count;
-        EXPECT_EQ(cancel_at_calls(trial, count, 1 + count / (trial.stops / 2), expected), 1.0);
+        PreparedMesh another(trial.mesh, 1);
+        const Watched alone(trial, another);
+        EXPECT_EQ(alone.labels, run.labels);
+        EXPECT_EQ(cancel_at_calls(trial, alone.some_calls(trial.stops / 2), run.labels), 1.0);
     }
     for (const char* step : {"Simplifying the mesh",
                              "Mapping to the sphere",
@@ -224,7 +237,7 @@ TEST(TimeLimit, ThatIsHitAtAnyCallLeavesABalancedResultAndIsReported) {
         SCOPED_TRACE(trial.name);
         PreparedMesh prepared(trial.mesh, 2);
         const std::vector<int> unlimited = segment(prepared, trial.options).labels;
-        const int calls = watch(trial, prepared).count;
+        const int calls = Watched(trial, prepared).call_count;
         trial.options.time_limit_seconds = kLimit;
         for (int late = 1; late < calls; late += 1 + calls / 40) {
             int left = late;
