@@ -73,8 +73,18 @@ bool Branches::close_fans(int from, int to, std::size_t max_faces) {
 }
 
 bool Branches::close_vertex(int face, int corner, int from, int to) {
+    int from_ends = 0;
+    int to_ends = 0;
+    for_each_around(patchwork_, face, corner, [&](int other, int at) {
+        const int label = patchwork_.label(other);
+        from_ends += label == from ? fan_ends(patchwork_, other, at) : 0;
+        to_ends += label == to ? fan_ends(patchwork_, other, at) : 0;
+        ++work_;
+    });
+    if (from_ends <= 2 && to_ends <= 2) {
+        return true;
+    }
     const bool ring = list_corners(patchwork_, face, corner, around_);
-    work_ += static_cast<std::int64_t>(around_.size());
     std::vector<int>& fan_of = part_;
     if (number_fans(patchwork_, around_, ring, to, fan_of) > 1) {
         // What lies between two fans of the new sub-mesh goes to it.
@@ -86,9 +96,6 @@ bool Branches::close_vertex(int face, int corner, int from, int to) {
         return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
     }
     const int fans = number_fans(patchwork_, around_, ring, from, fan_of);
-    if (fans < 2) {
-        return true;
-    }
     // All but the largest fan go, which brings the new one together too.
     int largest = 1;
     for (int fan = 2; fan <= fans; ++fan) {
