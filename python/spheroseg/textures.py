@@ -18,6 +18,11 @@ from spheroseg import atomic
 from spheroseg._plugin import forget_failed_call
 from spheroseg.ply_faces import read_ply_header
 
+#: Else a mesh from somewhere could have any file of this machine copied to where its result goes.
+_IMAGE_SUFFIXES = (
+    *(".bmp", ".dds", ".exr", ".gif", ".hdr", ".jpeg", ".jpg", ".ktx", ".ktx2"),
+    *(".pgm", ".png", ".ppm", ".tga", ".tif", ".tiff", ".webp"),
+)
 #: What PyMeshLab calls an image that it does not have.
 _PLACEHOLDER = "dummy.png"
 _IN_PLY = re.compile(rb"^(comment TextureFile[ \t]+)([^\r\n]*[^ \t\r\n])", re.M)
@@ -30,7 +35,7 @@ def copy_textures(mesh: pymeshlab.Mesh, source: Path, ply: Path, folder: Path) -
     `ply`, which MeshLab wrote of it.
 
     An image keeps its name, without folders, and gets a number where another file has that name.
-    Returns the names of those that could not be copied.
+    What has no image's name is not copied. Returns the names of those that could not be.
     """
     header = read_ply_header(ply)
     written = _names(_IN_PLY, header)
@@ -42,6 +47,8 @@ def copy_textures(mesh: pymeshlab.Mesh, source: Path, ply: Path, folder: Path) -
     for old, (name, folders) in zip(written, images, strict=True):
         if old not in (_PLACEHOLDER, name):
             name, folders = old, []
+        if not name.lower().endswith(_IMAGE_SUFFIXES):
+            folders = []
         found = filter(None, (_content(place / name) for place in folders))
         content = next(found, None) or _decoded(mesh, old)
         names.append(name.rpartition("/")[2])

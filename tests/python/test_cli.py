@@ -439,6 +439,9 @@ def write_textured_cube(folder, *textures):
     return folder / "cube.obj"
 
 
+WHY_NOT = "are not there, can not be read or are no images"
+
+
 def named_textures(path):
     return re.findall(r"comment TextureFile (.*)\n", path.read_bytes().decode(errors="replace"))
 
@@ -490,9 +493,30 @@ def test_images_that_can_not_be_had_are_named_in_one_line(run, tmp_path):
         result.parent.mkdir()
         code, _, errors = run("segment", source, "-k", 2, "-o", result, "-q")
         assert (code, errors.count("\n")) == (0, 1)
-        assert errors.endswith(f"{source} that are not there or can not be read: {left_out}\n")
+        assert errors.endswith(f"{source} that {WHY_NOT}: {left_out}\n")
         assert named_textures(result) == ["no.png", "b.png", "no.jpg"]
         assert {path.name for path in result.parent.iterdir()} == {"o.ply", "b.png"}
+
+
+def test_what_is_no_image_stays_where_it_is(run, tmp_path):
+    """The mesh may come from somebody who wants to see a file of this machine."""
+    (tmp_path / "key").write_text("secret")
+    (tmp_path / "key.txt").write_text("secret")
+    names = ["../key", str(tmp_path / "key"), "../key.txt", "b.png"]
+    mesh = write_textured_cube(tmp_path / "in", *names)
+    (tmp_path / "in" / "b.png").write_bytes(PNG)
+    first, second = tmp_path / "1" / "o.ply", tmp_path / "2" / "o.ply"
+    first.parent.mkdir()
+    code, _, errors = run("segment", mesh, "-k", 2, "-o", first, "-q")
+    assert (code, errors.count("\n")) == (0, 1)
+    assert errors.endswith(f"{mesh} that {WHY_NOT}: {', '.join(names[:3])}\n")
+    assert {path.name for path in first.parent.iterdir()} == {"o.ply", "b.png"}
+    header = b"comment TextureFile key\n"
+    first.write_bytes(first.read_bytes().replace(header, b"comment TextureFile ../key\n", 1))
+    second.parent.mkdir()
+    code, _, errors = run("segment", first, "-k", 2, "-o", second, "-q")
+    assert (code, errors.count("\n")) == (0, 1)
+    assert {path.name for path in second.parent.iterdir()} == {"o.ply", "b.png"}
 
 
 def test_no_placeholder_is_written_for_an_image_of_another_format(run, tmp_path):

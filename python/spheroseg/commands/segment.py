@@ -98,8 +98,8 @@ def run(arguments) -> int:
         if left_out:
             shared.warn(
                 arguments,
-                f"{arguments.output} lacks textures of {arguments.mesh} that are not there or can "
-                f"not be read: {', '.join(left_out)}",
+                f"{arguments.output} lacks textures of {arguments.mesh} that are not there, can "
+                f"not be read or are no images: {', '.join(left_out)}",
             )
         shared.tell_of_lost_vertices(arguments, lost)
     if arguments.labels:
