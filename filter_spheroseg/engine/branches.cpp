@@ -86,7 +86,7 @@ bool Branches::close_vertex(int face, int corner, int from, int to) {
     }
     const bool ring = list_corners(patchwork_, face, corner, around_);
     std::vector<int>& fan_of = part_;
-    if (number_fans(patchwork_, around_, ring, to, fan_of) > 1) {
+    if (to_ends > 2) {
         // What lies between two fans of the new sub-mesh goes to it.
         for (const Corner& other : around_) {
             if (patchwork_.label(other.face) == from) {
