@@ -85,6 +85,7 @@ public:
           group_of_label_(device, patchwork.load.size()), order_(device, patchwork.load.size()),
           face_begin_(device, patchwork.load.size()), face_counts_(device, patchwork.load.size()),
           quantiles_(device, quantiles()), change_(device, 1) {
+        face_counts_.clear(); // Downloaded whole; there are fewer groups than sub-meshes.
         if (with_partners) {
             partners_ = std::make_unique<DevicePartners>(
                 device, patchwork.face_count(), patchwork.submesh_count());
