@@ -17,11 +17,12 @@ status=0
 
 note() { echo "$*" | tee -a "$report"; }
 
-# section NAME COMMAND...: its output as a block of the report; its failure is the script's.
+# section NAME COMMAND...: its output as a block of the report; its failure is the script's, as is
+# one that takes longer than SECTION_SECONDS.
 section() {
     note "" && note "## $1" && note '```'
     shift
-    "$@" 2>&1 | tail -n "${LINES_KEPT:-80}" | tee -a "$report"
+    timeout "${SECTION_SECONDS:-300}" "$@" 2>&1 | tail -n "${LINES_KEPT:-80}" | tee -a "$report"
     local result=${PIPESTATUS[0]}
     note '```'
     [ "$result" -eq 0 ] && return

@@ -77,11 +77,12 @@ void print_row(const std::string& name,
                const Segmentation& s,
                const char* device,
                const char* comparison) {
-    std::printf("| %s | %d | %d | %s | %.4f | %d | %.4f | %d | %d | %d | %s |\n",
+    std::printf("| %s | %d | %d | %s | %.4f | %.4f | %d | %.4f | %d | %d | %d | %s |\n",
                 name.c_str(),
                 s.measures.triangle_count,
                 s.measures.submesh_count,
                 device,
+                s.total_seconds,
                 s.cohesion_seconds,
                 s.cohesion_iterations,
                 s.refinement_seconds,
@@ -167,9 +168,10 @@ int main(int argc, char** argv) {
         if (!search.device && settings.require_gpu) {
             return 1;
         }
-        std::printf("| mesh | triangles | k | on | cohesion s | iterations | refinement s | "
-                    "iterations | boundary edges | bowties | labels |\n"
-                    "|---|---|---|---|---|---|---|---|---|---|---|\n");
+        std::printf(
+            "| mesh | triangles | k | on | total s | cohesion s | iterations | refinement s | "
+            "iterations | boundary edges | bowties | labels |\n"
+            "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
         bool equal = true;
         for (const std::string& name : settings.meshes) {
             equal = bench(name, settings, search.device != nullptr) && equal;
