@@ -76,15 +76,18 @@ private:
 
 class GroupsOnDevice : public spheroseg::DeviceGroups {
 public:
-    GroupsOnDevice(Device& device, const Patchwork& patchwork, bool with_partners, int threads)
-        : device_(device), threads_(threads), host_cell_counts_(cell_counts_of(patchwork)),
-          host_labels_(cell_labels(patchwork)), host_loads_(patchwork.load.size()),
-          cells_(device, patchwork.cells), labels_(device, host_labels_),
-          listed_(device, patchwork.cells.size()), faces_(device, patchwork.cells.size()),
-          loads_(device, patchwork.load.size()), cell_counts_(device, host_cell_counts_),
-          group_of_label_(device, patchwork.load.size()), order_(device, patchwork.load.size()),
-          face_begin_(device, patchwork.load.size()), face_counts_(device, patchwork.load.size()),
-          quantiles_(device, quantiles()), change_(device, 1) {
+    /// Sets `was_used` when a phase runs.
+    GroupsOnDevice(
+        Device& device, bool& was_used, const Patchwork& patchwork, bool with_partners, int threads)
+        : device_(device), was_used_(was_used), threads_(threads),
+          host_cell_counts_(cell_counts_of(patchwork)), host_labels_(cell_labels(patchwork)),
+          host_loads_(patchwork.load.size()), cells_(device, patchwork.cells),
+          labels_(device, host_labels_), listed_(device, patchwork.cells.size()),
+          faces_(device, patchwork.cells.size()), loads_(device, patchwork.load.size()),
+          cell_counts_(device, host_cell_counts_), group_of_label_(device, patchwork.load.size()),
+          order_(device, patchwork.load.size()), face_begin_(device, patchwork.load.size()),
+          face_counts_(device, patchwork.load.size()), quantiles_(device, quantiles()),
+          change_(device, 1) {
         face_counts_.clear(); // Downloaded whole; there are fewer groups than sub-meshes.
         if (with_partners) {
             partners_ = std::make_unique<DevicePartners>(
@@ -116,6 +119,7 @@ private:
                            Patchwork& patchwork,
                            Grouping& grouping,
                            BoundaryFaces& boundary) {
+        was_used_ = true;
         send(patchwork, grouping, boundary);
         change_.clear();
         AnnealArrays arrays{cells_.data(),
@@ -195,6 +199,7 @@ private:
     }
 
     Device& device_;
+    bool& was_used_;
     const int threads_;
     std::vector<int> host_cell_counts_;
     std::vector<int> host_labels_;
@@ -236,7 +241,8 @@ DeviceAnnealing::begin_groups(const Patchwork& patchwork, bool with_partners, in
         *device_,
         annealing_bytes(patchwork.face_count(), patchwork.submesh_count(), with_partners),
         "refinement");
-    return std::make_unique<GroupsOnDevice>(*device_, patchwork, with_partners, thread_count);
+    return std::make_unique<GroupsOnDevice>(
+        *device_, was_used_, patchwork, with_partners, thread_count);
 }
 
 } // namespace spheroseg::cuda

@@ -17,9 +17,11 @@ public:
 
     std::unique_ptr<spheroseg::DeviceGroups>
     begin_groups(const Patchwork& patchwork, bool with_partners, int thread_count) override;
+    bool was_used() const override { return was_used_; }
 
 private:
     std::unique_ptr<Device> device_;
+    bool was_used_ = false;
 };
 
 } // namespace spheroseg::cuda

@@ -40,6 +40,8 @@ public:
     /// `with_partners`: for phases with `BoundedLoads`, else for those with `FreeLoads`.
     virtual std::unique_ptr<DeviceGroups>
     begin_groups(const Patchwork& patchwork, bool with_partners, int thread_count) = 0;
+    /// Whether a phase has run on it, for the result that was kept or for another.
+    virtual bool was_used() const = 0;
 };
 
 } // namespace spheroseg

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "component_segmentation.h"
 
+#include "anneal_device.h"
 #include "exact_cut.h"
 #include "face_weights.h"
 #include "fast_segmentation.h"
@@ -82,6 +83,7 @@ public:
         result_.boundary_edges_by_iteration = std::move(history_.boundary_edges);
         result_.seconds_by_iteration = std::move(history_.seconds);
         result_.time_limit_hit = deadline_.expired();
+        result_.used_cuda = device_ && device_->was_used();
         return std::move(result_);
     }
 
@@ -237,7 +239,6 @@ private:
             result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
         }
         const std::lock_guard<std::mutex> lock(result_mutex_);
-        result_.used_cuda = result_.used_cuda || part.used_cuda;
         seconds_ += part.seconds;
         add_iterations(part.history);
     }

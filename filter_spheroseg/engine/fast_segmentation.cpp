@@ -85,7 +85,6 @@ public:
         }
         if (deadline_.expired() && reserve) {
             history_ = reserve->history;
-            history_.on_cores = reserve->used_cuda ? 0 : history_.count();
             best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
         if (!best_->is_valid() && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
@@ -98,9 +97,6 @@ public:
         if (!task_.initial_labels.empty()) {
             rename_like(result_.labels, task_.initial_labels, submesh_count_);
         }
-        const History& history = result_.history;
-        result_.used_cuda = task_.device &&
-            history.count() > std::max(history.on_cores, history.cohesion_iterations);
         return std::move(result_);
     }
 
@@ -289,7 +285,6 @@ private:
                                     limit(),
                                     sub_progress(start_progress_, 0.0, cost_.start_end()));
         history_ = std::move(best.history);
-        history_.on_cores = history_.count();
         result_.seconds.cohesion += watch.elapsed_seconds();
         if (best.patchwork.face_count() < component_.face_count()) {
             anneal_further_up(best.patchwork, best.schedule);

@@ -54,7 +54,6 @@ struct ComponentResult {
     /// Of the start whose labels these are.
     History history;
     StageSeconds seconds;
-    bool used_cuda = false;
     /// All sub-meshes are connected and free of bowties and, without weights, have a triangle count
     /// that was asked for.
     bool is_valid = false;

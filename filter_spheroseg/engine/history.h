@@ -11,8 +11,6 @@ struct History {
     std::vector<double> boundary_edges;
     std::vector<double> seconds;
     int cohesion_iterations = 0;
-    /// The first ones, which ran on the cores whatever the device.
-    int on_cores = 0;
 
     int count() const { return static_cast<int>(seconds.size()); }
     int refinement_iterations() const { return count() - cohesion_iterations; }

@@ -140,6 +140,18 @@ TEST(EmulatedAnnealing, WeightedLevelsAndInitialLabelsToo) {
     }
 }
 
+TEST(EmulatedAnnealing, IsReportedWhereABetterStartCameFromTheCores) {
+    PreparedMesh prepared(displaced_sphere(3));
+    SegmentOptions options;
+    options.submesh_count = 2;
+    options.effort = Effort::high;
+    EmulatedDevice::Log log;
+    cuda::DeviceAnnealing device(emulated_device(log, 32));
+    EXPECT_FALSE(device.was_used());
+    EXPECT_TRUE(segment_with(prepared, options, &device).used_cuda);
+    EXPECT_GT(log.launches, 0);
+}
+
 const Levels& small_levels() {
     static const Levels levels(icosphere(2));
     return levels;

@@ -68,8 +68,7 @@ TEST_F(Gpu, FastMakesTheLabelsOfTheCores) {
                 const Segmentation expected = segment(prepared, options);
                 options.device = Device::cuda;
                 const Segmentation found = segment(prepared, options);
-                // At `high` the best can be a start of few sub-meshes, which the cores make.
-                EXPECT_TRUE(found.used_cuda || (k == 2 && effort == Effort::high));
+                EXPECT_TRUE(found.used_cuda);
                 EXPECT_EQ(found.labels, expected.labels) << mesh.face_count() << " faces, k " << k;
             }
         }
