@@ -27,8 +27,8 @@ void refuse_negative(double value, const char* name) {
     }
 }
 
-/// Where `fast` anneals; null: on the cores, unless a device is asked for, since none has shown yet
-/// where it would be faster.
+/// Where `fast` anneals; null: on the cores, unless a device is asked for, since the one measured
+/// was slower everywhere (docs/gpu.md).
 std::unique_ptr<AnnealDevice> anneal_device(const SegmentOptions& options) {
     return options.device == Device::cuda
         ? std::make_unique<cuda::DeviceAnnealing>(cuda::open_device())
