@@ -12,9 +12,11 @@ namespace spheroseg::cuda {
 
 namespace { // the tests' emulation has kernels of the same names
 
-/// Rounds that are tested ahead, on the labels before the first of them. When no pair of the tile
-/// wants to swap in any of them, they are done; else they are played one by one.
-constexpr int kQuietRounds = 8;
+/// Rounds in which a thread tests a face at once, on the labels before the first of them.
+constexpr int kRoundsPerThread = 4;
+/// Rounds that a block tests at once: as many as one thread, then twice as many after each test in
+/// which no pair wants to swap.
+constexpr int kMostRoundsAhead = 32;
 /// The least that exact distances can be of approximate ones: more than ten times as far below 1 as
 /// the approximate root and the contracted sum of squares can be off (2^-22 each).
 constexpr float kSurelyLess = 1.0f - 0x1.0p-18f;
@@ -102,6 +104,7 @@ struct Face {
     float own_y;
     float own_z;
     float distance;
+    int label;
 };
 
 __device__ inline Face face_at(const HeldFaces& held, int place) {
@@ -111,7 +114,8 @@ __device__ inline Face face_at(const HeldFaces& held, int place) {
             held.own_x[place],
             held.own_y[place],
             held.own_z[place],
-            held.distance[place]};
+            held.distance[place],
+            held.label[place]};
 }
 
 /// A `chord` that may be off by 2^-21 of itself, or 0 where it is less than 2^-63.
@@ -123,17 +127,17 @@ __device__ inline float rough_chord(float ax, float ay, float az, float bx, floa
 }
 
 /// False only where the pair does not want to swap: an exact root takes several times as long as
-/// all the rest, and nearly all pairs are far from wanting to.
+/// all the rest, and nearly all pairs are far from wanting to. Faces with the same label do not:
+/// their distances are equal before and after, which the rough ones can not tell.
 __device__ inline bool may_want_swap(const Face& a, const Face& b) {
     const float d3 = rough_chord(a.x, a.y, a.z, b.own_x, b.own_y, b.own_z);
     const float d4 = rough_chord(b.x, b.y, b.z, a.own_x, a.own_y, a.own_z);
-    return a.distance + b.distance > (d3 + d4) * kSurelyLess;
+    return (a.label != b.label) & (a.distance + b.distance > (d3 + d4) * kSurelyLess);
 }
 
-/// Algorithm 1. Faces with the same label do not swap: their distances are equal before and after.
-__device__ inline bool
-wants_swap(const HeldFaces& held, const Face& a, int a_place, const Face& b, int b_place) {
-    if (!may_want_swap(a, b) || held.label[a_place] == held.label[b_place]) {
+/// Algorithm 1.
+__device__ inline bool wants_swap(const Face& a, const Face& b) {
+    if (!may_want_swap(a, b)) {
         return false;
     }
     const float d3 = chord(a.x, a.y, a.z, b.own_x, b.own_y, b.own_z);
@@ -158,64 +162,77 @@ __device__ inline void swap_pair(const HeldFaces& held, int a, int b) {
         chord(held.x[b], held.y[b], held.z[b], held.own_x[b], held.own_y[b], held.own_z[b]);
 }
 
-/// Whether the second face of a diagonal (a slot plus its round, which stays) may want to swap in
-/// any of kQuietRounds rounds from `round_begin` on, in all of which it meets a face. No branches
-/// and no index but one: the rounds' loads and roots overlap.
-__device__ inline bool whole_diagonal_may_swap(
-    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, const Face& b) {
-    const int first_place = tile.first_place(round_begin, diagonal - round_begin);
-    bool may = false;
-    SPHEROSEG_UNROLL
-    for (int i = 0; i < kQuietRounds; ++i) {
-        may |= may_want_swap(face_at(held, first_place - 2 * i), b);
-    }
-    return may;
-}
-
 __device__ inline bool meets_in_round(const Tile& tile, int diagonal, int t) {
     return diagonal - t >= tile.first_slot(t) && diagonal - t < tile.end_slot(t);
 }
 
-/// Whether the second face of a diagonal wants to swap in the rounds [round_begin, round_end).
-__device__ inline bool face_wants_swap(
-    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, int round_end) {
-    const int b_place = tile.second_place(0, diagonal);
-    const Face b = face_at(held, b_place);
-    const int last = round_end - 1;
-    // In slot 0 the first face is not the next one of the diagonal.
-    const bool whole = round_end - round_begin == kQuietRounds && diagonal - last >= 1 &&
-        meets_in_round(tile, diagonal, round_begin) && meets_in_round(tile, diagonal, last);
-    if (whole && !whole_diagonal_may_swap(tile, held, diagonal, round_begin, b)) {
-        return false;
+/// False only where the second face of a diagonal (a slot plus its round, which stays) wants to
+/// swap in none of kRoundsPerThread rounds from `round_begin` on. In rounds in which it meets
+/// nobody in this tile it is tested with any face: then a few more may swap than do. No branches:
+/// the loads and roots of the rounds overlap.
+__device__ inline bool diagonal_may_swap(
+    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, const Face& b) {
+    const int slot = diagonal - round_begin;
+    const int first_place = slot - 1 - tile.round_begin - round_begin - tile.up_base;
+    const int last_held = tile.held_count() - 1;
+    bool may = false;
+    SPHEROSEG_UNROLL
+    for (int i = 0; i < kRoundsPerThread; ++i) {
+        const int place = first_place - 2 * i;
+        const int held_place = place < 0 ? 0 : (place > last_held ? last_held : place);
+        may |= may_want_swap(face_at(held, held_place), b);
     }
-    for (int t = round_begin; t < round_end; ++t) {
-        if (meets_in_round(tile, diagonal, t)) {
-            const int a_place = tile.first_place(t, diagonal - t);
-            if (wants_swap(held, face_at(held, a_place), a_place, b, b_place)) {
-                return true;
-            }
-        }
+    if (tile.has_zero && slot >= 0 && slot < kRoundsPerThread) {
+        may |= may_want_swap(face_at(held, tile.first_place(diagonal, 0)), b);
     }
-    return false;
+    return may;
 }
 
-/// Whether any of this thread's pairs in the rounds [round_begin, round_end) want to swap. A thread
-/// takes the pairs of a second face, which stays in registers.
-__device__ inline bool
-rounds_want_swap(const Tile& tile, const HeldFaces& held, int round_begin, int round_end) {
+/// The first of the rounds [round_begin, round_end), at most kRoundsPerThread, in which the second
+/// face of a diagonal wants to swap; `round_end`: none.
+__device__ inline int first_swap_of(
+    const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, int round_end) {
+    const Face b = face_at(held, tile.second_place(0, diagonal));
+    if (!diagonal_may_swap(tile, held, diagonal, round_begin, b)) {
+        return round_end;
+    }
+    for (int t = round_begin; t < round_end; ++t) {
+        if (meets_in_round(tile, diagonal, t) &&
+            wants_swap(face_at(held, tile.first_place(t, diagonal - t)), b)) {
+            return t;
+        }
+    }
+    return round_end;
+}
+
+/// The first of the rounds [round_begin, round_end) in which a pair of this thread wants to swap;
+/// `round_end`: none. At a time a thread takes the pairs of a second face, which stays in
+/// registers, in kRoundsPerThread rounds.
+__device__ inline int
+first_swap(const Tile& tile, const HeldFaces& held, int round_begin, int round_end) {
     const int last = round_end - 1;
     const int first_low = tile.first_slot(round_begin) + round_begin;
     const int last_low = tile.first_slot(last) + last;
     const int first_high = tile.end_slot(round_begin) + round_begin;
     const int last_high = tile.end_slot(last) + last;
-    const int high = first_high > last_high ? first_high : last_high;
-    int diagonal = (first_low < last_low ? first_low : last_low) + static_cast<int>(threadIdx.x);
-    for (; diagonal < high; diagonal += static_cast<int>(blockDim.x)) {
-        if (face_wants_swap(tile, held, diagonal, round_begin, round_end)) {
-            return true;
+    const int low = first_low < last_low ? first_low : last_low;
+    const int width = (first_high > last_high ? first_high : last_high) - low;
+    int first = round_end;
+    int begin = round_begin;
+    for (int at = threadIdx.x;; at += static_cast<int>(blockDim.x)) {
+        for (; at >= width && begin < first; at -= width) {
+            begin += kRoundsPerThread;
+        }
+        if (begin >= first) {
+            return first;
+        }
+        const int ahead = round_end - begin;
+        const int end = begin + (ahead < kRoundsPerThread ? ahead : kRoundsPerThread);
+        const int wanted = first_swap_of(tile, held, low + at, begin, end);
+        if (wanted < end && wanted < first) {
+            first = wanted;
         }
     }
-    return false;
 }
 
 /// Swaps this thread's pairs in round t of the tile that want it.
@@ -226,7 +243,7 @@ __device__ inline int play_round(const Tile& tile, const HeldFaces& held, int t)
          slot += blockDim.x) {
         const int a = tile.first_place(t, slot);
         const int b = tile.second_place(t, slot);
-        if (wants_swap(held, face_at(held, a), a, face_at(held, b), b)) {
+        if (wants_swap(face_at(held, a), face_at(held, b))) {
             swap_pair(held, a, b);
             ++swap_count;
         }
@@ -234,25 +251,47 @@ __device__ inline int play_round(const Tile& tile, const HeldFaces& held, int t)
     return swap_count;
 }
 
-/// One tile per block. Dynamic shared memory: kTileWords words for each of `capacity` elements.
+/// One tile per block. Dynamic shared memory: tile_bytes(capacity).
 __global__ void __launch_bounds__(kCohesionThreads)
     play_cohesion_tiles(CohesionArrays arrays, TilePhase phase, int capacity) {
     SPHEROSEG_DYNAMIC_SHARED(float, words);
     const HeldFaces held = held_faces(words, capacity);
+    // Three in turn: one is read while the next is written and the one after it may be cleared.
+    int* const found = reinterpret_cast<int*>(words + kTileWords * capacity);
     const Tile tile = tile_of(phase, static_cast<int>(blockIdx.x));
     load_tile(arrays, tile, phase.element_count, held);
+    if (threadIdx.x == 0) {
+        found[0] = kNoRound;
+    }
     __syncthreads();
     int swap_count = 0;
-    for (int begin = 0; begin < tile.round_count; begin += kQuietRounds) {
-        const int ahead = tile.round_count - begin;
-        const int end = begin + (ahead < kQuietRounds ? ahead : kQuietRounds);
-        if (__syncthreads_or(rounds_want_swap(tile, held, begin, end)) == 0) {
+    int round = 0;
+    int ahead = kRoundsPerThread;
+    for (int test = 0; round < tile.round_count; test = (test + 1) % kFoundRounds) {
+        const int left = tile.round_count - round;
+        const int end = round + (left < ahead ? left : ahead);
+        const int wanted = first_swap(tile, held, round, end);
+        if (wanted < end) {
+            atomicMin(&found[test], wanted);
+        }
+        if (threadIdx.x == 0) {
+            found[(test + 1) % kFoundRounds] = kNoRound;
+        }
+        __syncthreads();
+        const int first = found[test];
+        if (first == kNoRound) {
+            round = end;
+            ahead = 2 * ahead < kMostRoundsAhead ? 2 * ahead : kMostRoundsAhead;
             continue;
         }
-        for (int t = begin; t < end; ++t) {
-            swap_count += play_round(tile, held, t);
-            __syncthreads();
+        // Where one round has swaps, the next ones often have.
+        round = first;
+        for (bool swapped = true; swapped && round < tile.round_count; ++round) {
+            const int swaps = play_round(tile, held, round);
+            swap_count += swaps;
+            swapped = __syncthreads_or(swaps > 0) != 0;
         }
+        ahead = kRoundsPerThread;
     }
     store_tile(arrays, tile, phase.element_count, held);
     if (swap_count > 0) {

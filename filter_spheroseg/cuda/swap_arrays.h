@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+
 /// What the kernels read and write. All pointers are those of the device.
 namespace spheroseg::cuda {
 
@@ -40,12 +42,19 @@ struct RefinementArrays {
 };
 
 /// Threads of a block. Fixed, since the compiler bounds registers by it.
-constexpr int kCohesionThreads = 256;
+constexpr int kCohesionThreads = 512;
 constexpr int kScanThreads = 256;
 constexpr int kCommitThreads = 512;
 /// Slots that a thread of the scanning kernels looks at.
 constexpr int kSlotsPerScanThread = 4;
 /// Floats and ints that a tile of cohesion keeps per element in shared memory.
 constexpr int kTileWords = 8;
+/// Numbers of rounds that it keeps there besides.
+constexpr int kFoundRounds = 3;
+
+/// Shared memory of a tile of at most `capacity` elements.
+constexpr std::size_t tile_bytes(int capacity) {
+    return sizeof(float) * kTileWords * capacity + sizeof(int) * kFoundRounds;
+}
 
 } // namespace spheroseg::cuda

@@ -35,8 +35,8 @@ cudaError_t launch_cohesion_tiles(const CohesionArrays& arrays,
                                   int capacity,
                                   cudaStream_t stream) {
     const int tiles = phase.block_count - (phase.wedges ? 1 : 0);
-    const std::size_t shared_bytes = sizeof(float) * kTileWords * capacity;
-    play_cohesion_tiles<<<tiles, kCohesionThreads, shared_bytes, stream>>>(arrays, phase, capacity);
+    play_cohesion_tiles<<<tiles, kCohesionThreads, tile_bytes(capacity), stream>>>(
+        arrays, phase, capacity);
     return cudaGetLastError();
 }
 

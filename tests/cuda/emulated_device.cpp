@@ -76,8 +76,7 @@ void EmulatedDevice::play_cohesion_tiles(const cuda::CohesionArrays& arrays,
                                          const cuda::TilePhase& phase,
                                          int capacity) {
     begin_call("play_cohesion_tiles");
-    const std::size_t shared_bytes = sizeof(float) * cuda::kTileWords * capacity;
-    launch(phase.block_count - (phase.wedges ? 1 : 0), 1, shared_bytes, [&] {
+    launch(phase.block_count - (phase.wedges ? 1 : 0), 1, cuda::tile_bytes(capacity), [&] {
         cuda::play_cohesion_tiles(arrays, phase, capacity);
     });
 }
