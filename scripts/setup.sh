@@ -12,7 +12,7 @@ readonly venv="$root/.venv"
 
 run_packages=(g++ cmake ninja-build python3 python3-venv git ca-certificates xz-utils
     qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libglu1-mesa-dev libopengl0)
-gui_packages=(debootstrap xvfb openbox xdotool x11-utils xclip)
+gui_packages=(mmdebstrap xvfb openbox xdotool x11-utils xclip)
 dev_packages=(libgtest-dev clang libomp-dev libegl1 ccache)
 # Elsewhere Chromium is no ordinary package; the tests of the report then skip, or fail in CI.
 if grep -qs '^ID=debian' /etc/os-release; then dev_packages+=(chromium chromium-driver); fi
