@@ -168,12 +168,12 @@ __device__ inline bool meets_in_round(const Tile& tile, int diagonal, int t) {
 
 /// False only where the second face of a diagonal (a slot plus its round, which stays) wants to
 /// swap in none of kRoundsPerThread rounds from `round_begin` on. In rounds in which it meets
-/// nobody in this tile it is tested with any face: then a few more may swap than do. No branches:
-/// the loads and roots of the rounds overlap.
+/// nobody in this tile it is tested with any face: then a few more may swap than do. The loop has
+/// no branches, so that loads and roots of its rounds overlap.
 __device__ inline bool diagonal_may_swap(
     const Tile& tile, const HeldFaces& held, int diagonal, int round_begin, const Face& b) {
     const int slot = diagonal - round_begin;
-    const int first_place = slot - 1 - tile.round_begin - round_begin - tile.up_base;
+    const int first_place = tile.rising_place(round_begin, slot);
     const int last_held = tile.held_count() - 1;
     bool may = false;
     SPHEROSEG_UNROLL

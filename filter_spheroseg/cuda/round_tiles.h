@@ -81,7 +81,11 @@ struct Tile {
     SPHEROSEG_HOST_DEVICE int held_count() const { return up_count + down_count + has_zero; }
     /// Places in the tile's array of the two elements that meet in a slot of round t of the tile.
     SPHEROSEG_HOST_DEVICE int first_place(int t, int slot) const {
-        return slot == 0 ? up_count + down_count : slot - 1 - round_begin - t - up_base;
+        return slot == 0 ? up_count + down_count : rising_place(t, slot);
+    }
+    /// The same in all slots but 0; it goes on by -2 per round where slot plus round stay.
+    SPHEROSEG_HOST_DEVICE int rising_place(int t, int slot) const {
+        return slot - 1 - round_begin - t - up_base;
     }
     SPHEROSEG_HOST_DEVICE int second_place(int t, int slot) const {
         return modulus - 1 - slot - round_begin - t - down_base + down_offset;
