@@ -6,6 +6,7 @@
 #include "vertex_fans.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 namespace spheroseg {
@@ -45,6 +46,12 @@ struct LooseSide {
     }
 };
 
+/// The corners of a vertex: how many there are, and one of them.
+struct Corners {
+    int last = -1;
+    int count = 0;
+};
+
 bool is_degenerate(const Triangle& face) {
     return face[0] == face[1] || face[1] == face[2] || face[2] == face[0];
 }
@@ -71,20 +78,22 @@ public:
         report_.face_count = mesh_.face_count();
         const int threads = threads_for(thread_count, mesh_.face_count(), kFacesPerThread / 4);
         ParallelFailure failure;
-#pragma omp parallel sections num_threads(threads)
+#pragma omp parallel sections num_threads(std::min(threads, 2))
         {
-#pragma omp section
-            failure.guard([&] { number_fans(); });
 #pragma omp section
             failure.guard([&] {
                 examine_faces();
                 examine_vertices();
                 collect_loose_sides();
-                components_ = face_components(dual_graph_);
                 count_duplicates();
             });
+#pragma omp section
+            failure.guard([&] { components_ = face_components(dual_graph_); });
         }
         failure.rethrow();
+        if (!have_one_fan_each(threads) || share_loose_edges()) {
+            number_fans();
+        }
         examine_loose_edges();
         count_non_manifold_vertices();
         finish();
@@ -93,11 +102,13 @@ public:
 
 private:
     void examine_faces() {
-        referenced_.assign(mesh_.positions.size(), 0);
+        corners_of_vertex_.assign(mesh_.positions.size(), {});
         for (int f = 0; f < mesh_.face_count(); ++f) {
             const Triangle& face = mesh_.faces[f];
-            for (int v : face) {
-                referenced_[v] = 1;
+            for (int c = 0; c < 3; ++c) {
+                Corners& corners = corners_of_vertex_[face[c]];
+                corners.last = 3 * f + c;
+                ++corners.count;
             }
             if (is_degenerate(face)) {
                 note(report_.degenerate_face_count, report_.first_degenerate_face, f);
@@ -105,9 +116,42 @@ private:
         }
     }
 
+    /// Are the faces around each vertex one fan? False where a face names a vertex twice, too.
+    bool have_one_fan_each(int threads) const {
+        std::atomic<bool> are_single{report_.degenerate_face_count == 0};
+        for_each_chunk(are_single ? mesh_.vertex_count() : 0, threads, [&](int begin, int end) {
+            for (int v = begin; v < end; ++v) {
+                if (!has_one_fan(corners_of_vertex_[v])) {
+                    are_single = false;
+                }
+            }
+        });
+        return are_single;
+    }
+
+    /// Whether a walk around the vertex comes to all its corners.
+    bool has_one_fan(const Corners& corners) const {
+        if (corners.count == 0) {
+            return true;
+        }
+        const int corner = corners.last % 3;
+        int met = 1;
+        const auto walk = [&](FanStep step) {
+            while ((step = next_step(mesh_, dual_graph_, step)).corner >= 0 &&
+                   step.corner != corners.last) {
+                ++met;
+            }
+            return step.corner == corners.last;
+        };
+        if (!walk({corners.last, corner})) {
+            walk({corners.last, (corner + 2) % 3});
+        }
+        return met == corners.count;
+    }
+
     void examine_vertices() {
         for (int v = 0; v < mesh_.vertex_count(); ++v) {
-            if (!referenced_[v]) {
+            if (corners_of_vertex_[v].count == 0) {
                 continue;
             }
             ++report_.referenced_vertex_count;
@@ -143,11 +187,21 @@ private:
             });
     }
 
+    /// Does an edge have two or more loose sides?
+    bool share_loose_edges() const {
+        return std::adjacent_find(loose_sides_.begin(),
+                                  loose_sides_.end(),
+                                  [](const LooseSide& a, const LooseSide& b) {
+                                      return a.same_edge(b);
+                                  }) != loose_sides_.end();
+    }
+
     int corner_of(int face, int vertex) const {
         return 3 * face + spheroseg::corner_of(mesh_.faces[face], vertex);
     }
 
-    /// Numbers the fans that the dual graph joins around each vertex.
+    /// Numbers the fans that the dual graph joins around each vertex. Where each vertex has one,
+    /// and no edge joins others, nobody asks for them.
     void number_fans() {
         fan_of_corner_.assign(3 * mesh_.faces.size(), -1);
         extra_fans_.assign(mesh_.positions.size(), -1);
@@ -216,7 +270,7 @@ private:
     }
 
     void count_non_manifold_vertices() {
-        for (int v = 0; v < mesh_.vertex_count(); ++v) {
+        for (int v = 0; v < static_cast<int>(extra_fans_.size()); ++v) {
             if (extra_fans_[v] > 0) {
                 note(report_.non_manifold_vertex_count, report_.first_non_manifold_vertex, v);
             }
@@ -238,7 +292,7 @@ private:
     const TriangleMesh& mesh_;
     const DualGraph& dual_graph_;
     MeshReport report_;
-    std::vector<char> referenced_;
+    std::vector<Corners> corners_of_vertex_;
     std::vector<LooseSide> loose_sides_;
     std::vector<int> fan_of_corner_;
     int fan_count_ = 0;

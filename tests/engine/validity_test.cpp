@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace spheroseg {
@@ -135,6 +136,73 @@ TEST(Validity, TwoTetrahedraThatShareAVertexAreNotManifoldThere) {
     EXPECT_EQ(r.component_count, 2);
     expect_defect(
         r, "1 vertex where separate fans", "\"Repair non Manifold Vertices by splitting\"");
+}
+
+/// The lowest vertex with several fans, and how many there are: faces around a vertex are of one
+/// fan when they share an edge there, however many others do.
+std::pair<int, int> vertices_of_several_fans(const TriangleMesh& mesh) {
+    std::vector<std::vector<int>> faces(mesh.positions.size());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int v : mesh.faces[f]) {
+            faces[v].push_back(f);
+        }
+    }
+    std::pair<int, int> found = {-1, 0};
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        std::vector<int> left = faces[v];
+        std::vector<int> fan;
+        const auto meets_fan = [&](int f) {
+            return std::any_of(fan.begin(), fan.end(), [&](int g) {
+                const Triangle& other = mesh.faces[g];
+                return std::count_if(mesh.faces[f].begin(), mesh.faces[f].end(), [&](int w) {
+                           return std::find(other.begin(), other.end(), w) != other.end();
+                       }) > 1;
+            });
+        };
+        if (!left.empty()) {
+            fan.push_back(left.back());
+            left.pop_back();
+        }
+        for (auto next = left.begin();
+             (next = std::find_if(left.begin(), left.end(), meets_fan)) != left.end();) {
+            fan.push_back(*next);
+            left.erase(next);
+        }
+        if (!left.empty()) {
+            found.first = found.second++ == 0 ? v : found.first;
+        }
+    }
+    return found;
+}
+
+TEST(Validity, FansAreThoseOfAPlainSearch) {
+    int pinched = 0;
+    for (int seed = 0; seed < 40; ++seed) {
+        Random random(seed);
+        TriangleMesh mesh = seed % 2 ? displaced_sphere(2) : open_grid(12);
+        const double missing = 0.02 * (seed / 4);
+        mesh.faces.erase(
+            std::remove_if(mesh.faces.begin(),
+                           mesh.faces.end(),
+                           [&](const Triangle&) { return random.uniform() < missing; }),
+            mesh.faces.end());
+        for (int i = 0; i < seed % 4; ++i) {
+            Triangle& face = mesh.faces[random.below(mesh.face_count())];
+            std::swap(face[0], face[1]);
+            if (seed % 3 == 0) {
+                mesh.faces.push_back(mesh.faces[random.below(mesh.face_count())]);
+            }
+        }
+        const auto [first, count] = vertices_of_several_fans(mesh);
+        for (int threads : {1, 3}) {
+            const MeshReport r = inspect(mesh, build_dual_graph(mesh), threads);
+            EXPECT_EQ(r.non_manifold_vertex_count, count) << seed;
+            EXPECT_EQ(r.first_non_manifold_vertex, first) << seed;
+        }
+        pinched += count > 0;
+    }
+    EXPECT_GT(pinched, 10);
+    EXPECT_LT(pinched, 38);
 }
 
 TEST(Validity, DegenerateFacesAreNamedFirst) {
