@@ -74,13 +74,13 @@ fi
 if command -v ncu >/dev/null; then
     # The clocks are left as they are.
     for kernel in play_cohesion_tiles find_round decide_round commit_round; do
-        LINES_KEPT=150 section "ncu $kernel" ncu --clock-control none \
+        LINES_KEPT=250 section "ncu $kernel" ncu --clock-control none \
             --section SpeedOfLight --section Occupancy --section LaunchStats \
             --kernel-name "$kernel" --launch-skip 20 --launch-count 2 \
             "$bench" --require-gpu --repeats 1 --iterations 1 --cores-up-to 0 bumpy:5
     done
     for kernel in anneal_groups exchange_groups; do
-        LINES_KEPT=150 section "ncu $kernel" ncu --clock-control none \
+        LINES_KEPT=250 section "ncu $kernel" ncu --clock-control none \
             --section SpeedOfLight --section Occupancy --section LaunchStats \
             --kernel-name "$kernel" --launch-skip 4 --launch-count 2 \
             "$bench" --fast --per 64 --require-gpu --repeats 1 --cores-up-to 0 bumpy:7
