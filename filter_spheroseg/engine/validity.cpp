@@ -91,7 +91,7 @@ public:
             failure.guard([&] { components_ = face_components(dual_graph_); });
         }
         failure.rethrow();
-        if (!have_one_fan_each(threads) || share_loose_edges()) {
+        if (!have_one_fan_each(threads) || any_edge_has_two_loose_sides()) {
             number_fans();
         }
         examine_loose_edges();
@@ -134,17 +134,13 @@ private:
         if (corners.count == 0) {
             return true;
         }
-        const int corner = corners.last % 3;
         int met = 1;
-        const auto walk = [&](FanStep step) {
-            while ((step = next_step(mesh_, dual_graph_, step)).corner >= 0 &&
-                   step.corner != corners.last) {
-                ++met;
-            }
-            return step.corner == corners.last;
+        const auto follow = [&](int exit) {
+            return follow_fan(mesh_, dual_graph_, corners.last, exit, [&](int) { ++met; });
         };
-        if (!walk({corners.last, corner})) {
-            walk({corners.last, (corner + 2) % 3});
+        const int corner = corners.last % 3;
+        if (!follow(corner)) {
+            follow((corner + 2) % 3);
         }
         return met == corners.count;
     }
@@ -187,8 +183,7 @@ private:
             });
     }
 
-    /// Does an edge have two or more loose sides?
-    bool share_loose_edges() const {
+    bool any_edge_has_two_loose_sides() const {
         return std::adjacent_find(loose_sides_.begin(),
                                   loose_sides_.end(),
                                   [](const LooseSide& a, const LooseSide& b) {
@@ -296,7 +291,8 @@ private:
     std::vector<LooseSide> loose_sides_;
     std::vector<int> fan_of_corner_;
     int fan_count_ = 0;
-    std::vector<int> extra_fans_; // per vertex: fans - 1
+    /// Per vertex fans - 1; empty where all have one.
+    std::vector<int> extra_fans_;
     /// Those that the dual graph joins.
     FaceComponents components_;
 };

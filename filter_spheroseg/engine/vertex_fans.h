@@ -7,27 +7,32 @@
 
 namespace spheroseg {
 
-/// A corner (3 * face + corner) of a vertex, and the side of its face by which a walk around the
-/// vertex leaves it.
-struct FanStep {
-    int corner;
-    int exit;
-};
-
-/// The next step of a walk around a vertex; its corner is -1 where the dual graph ends. Corners and
-/// steps make paths and cycles: a walk comes to no corner twice before it is at its first one
-/// again.
-inline FanStep next_step(const TriangleMesh& mesh, const DualGraph& dual_graph, FanStep step) {
-    const int face = step.corner / 3;
-    const int corner = step.corner % 3;
-    const int next = dual_graph.neighbors[face][step.exit];
-    if (next < 0) {
-        return {-1, 0};
+/// Calls visit(corner) for the corners (3 * face + corner) of one vertex that lie side by side
+/// beyond the side `exit` of a corner's face, each once; true when they lead back to it. Needs a
+/// dual graph that joins no face that names a vertex twice, and no common orientation of the faces.
+template <typename Visit>
+bool follow_fan(const TriangleMesh& mesh,
+                const DualGraph& dual_graph,
+                int start,
+                int exit,
+                const Visit& visit) {
+    const int vertex = mesh.faces[start / 3][start % 3];
+    for (int corner = start;;) {
+        const int face = corner / 3;
+        const int next = dual_graph.neighbors[face][exit];
+        if (next < 0) {
+            return false;
+        }
+        const int far = mesh.faces[face][exit == corner % 3 ? (exit + 1) % 3 : exit];
+        const Triangle& entered = mesh.faces[next];
+        const int at = corner_of(entered, vertex);
+        corner = 3 * next + at;
+        if (corner == start) {
+            return true;
+        }
+        visit(corner);
+        exit = entered[(at + 1) % 3] == far ? (at + 2) % 3 : at;
     }
-    const int far = mesh.faces[face][step.exit == corner ? (step.exit + 1) % 3 : step.exit];
-    const Triangle& entered = mesh.faces[next];
-    const int at = corner_of(entered, mesh.faces[face][corner]);
-    return {3 * next + at, entered[(at + 1) % 3] == far ? (at + 2) % 3 : at};
 }
 
 /// The fans of a mesh: the faces around a vertex that the dual graph joins. A manifold vertex has
@@ -60,20 +65,11 @@ public:
     }
 
 private:
-    /// Appends the corners beyond the side `exit` of a corner's face; true when they lead back.
-    bool follow(int start, int exit, std::vector<int>& corners) {
-        FanStep step = {start, exit};
-        for (;;) {
-            step = next_step(mesh_, dual_graph_, step);
-            if (step.corner < 0) {
-                return false;
-            }
-            if (visited_[step.corner]) {
-                return step.corner == start;
-            }
-            visited_[step.corner] = 1;
-            corners.push_back(step.corner);
-        }
+    bool follow(int corner, int exit, std::vector<int>& corners) {
+        return follow_fan(mesh_, dual_graph_, corner, exit, [&](int beyond) {
+            visited_[beyond] = 1;
+            corners.push_back(beyond);
+        });
     }
 
     const TriangleMesh& mesh_;
