@@ -16,6 +16,8 @@ struct Budget {
     double first_proposals;
     double small_first_proposals;
     double level_proposals;
+    /// On levels with so many cells per sub-mesh; more where there are more (Schedules).
+    int large_submesh;
     /// The part of these that is made in each trial of the first start, and how many cells all
     /// trials together may have on the first level.
     double trial_share;
@@ -43,6 +45,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 38.0;
         budget.small_first_proposals = 30.0;
         budget.level_proposals = 25.0;
+        budget.large_submesh = 1024;
         budget.branch_proposals = 50.0;
         budget.trial_share = 0.5;
         budget.trial_faces = 4000;
@@ -57,6 +60,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 90.0;
         budget.small_first_proposals = 62.0;
         budget.level_proposals = 52.0;
+        budget.large_submesh = 1024;
         budget.branch_proposals = 100.0;
         budget.trial_share = 0.5;
         budget.trial_faces = 6000;
@@ -71,6 +75,7 @@ inline Budget budget_of(Effort effort) {
         budget.first_proposals = 4000.0;
         budget.small_first_proposals = 2500.0;
         budget.level_proposals = 1500.0;
+        budget.large_submesh = 256;
         budget.branch_proposals = 400.0;
         budget.trial_share = 0.1;
         budget.trial_faces = 6000;

@@ -109,7 +109,7 @@ StartCost FastPlan::cost_of_start(int trials) const {
         proposals = schedules_.share * schedules_.first_proposals() *
             hexagonal_edges(first_faces, submesh_count_);
     }
-    proposals += schedules_.further_proposals(hexagonal_edges(done_faces, submesh_count_), edges);
+    proposals += schedules_.further_proposals(done_faces, faces, submesh_count_);
     cost.levels = kProposal * proposals + (coarsens() ? kUncoarsening * faces : 0.0);
     const bool in_rounds = schedules_.budget.rounds > 0 && !by_weight_;
     const double exchanges = in_rounds ? 0.0 : schedules_.exchange_count(faces, edges);

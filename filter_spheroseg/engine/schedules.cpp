@@ -17,6 +17,8 @@ namespace {
 /// components of a few faces each.
 constexpr double kLeastExchanges = 40000.0;
 constexpr double kLeastExchangesPerFace = 50.0;
+/// Where sub-meshes are large, up to so many times the proposals.
+constexpr double kMostGrowth = 4.0;
 /// So few boundary edges that these may begin hotter: they melt the boundaries, and then mend them
 /// better than they were.
 constexpr int kEdgesToMelt = 100;
@@ -27,10 +29,20 @@ double Schedules::first_proposals() const {
     return are_small ? budget.small_first_proposals : budget.first_proposals;
 }
 
-double Schedules::further_proposals(double first_edges, double last_edges) const {
-    // Edges grow by this factor from level to level.
-    const double growth = std::sqrt(1.0 / MeshLevels::kLeastShare);
-    return share * budget.level_proposals * (last_edges - first_edges) * growth / (growth - 1.0);
+/// Per boundary face. The boundaries of large sub-meshes are a small part of their cells, and there
+/// is more to straighten.
+double Schedules::level_proposals(double cells_per_submesh) const {
+    return share * budget.level_proposals *
+        std::clamp(std::sqrt(cells_per_submesh / budget.large_submesh), 1.0, kMostGrowth);
+}
+
+double
+Schedules::further_proposals(double first_cells, double last_cells, int submesh_count) const {
+    double proposals = 0.0;
+    for (double cells = last_cells; cells > first_cells; cells *= MeshLevels::kLeastShare) {
+        proposals += level_proposals(cells / submesh_count) * hexagonal_edges(cells, submesh_count);
+    }
+    return proposals;
 }
 
 double Schedules::exchange_proposals() const {
@@ -61,12 +73,13 @@ AnnealSchedule Schedules::first(std::uint64_t seed) const {
     return schedule;
 }
 
-AnnealSchedule Schedules::next(const AnnealSchedule& schedule) const {
+AnnealSchedule Schedules::next(const AnnealSchedule& schedule, const Patchwork& patchwork) const {
     AnnealSchedule next = schedule;
     next.thread_count = thread_count;
     ++next.seed;
     next.temperature_begin = 0.25;
-    next.proposals_per_face = share * budget.level_proposals;
+    next.proposals_per_face =
+        level_proposals(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
     next.phase_count = budget.level_phases;
     return next;
 }

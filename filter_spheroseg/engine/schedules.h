@@ -20,16 +20,16 @@ struct Schedules {
     double share = 1.0;
 
     double first_proposals() const;
-    /// Roughly the proposals on all further levels, from a first one with so many boundary edges up
-    /// to one with more.
-    double further_proposals(double first_edges, double last_edges) const;
+    /// Roughly the proposals on all further levels, from a first one with so many cells up to one
+    /// with more.
+    double further_proposals(double first_cells, double last_cells, int submesh_count) const;
     /// Exchanges where there are so many faces and boundary edges.
     double exchange_count(double face_count, double boundary_edges) const;
 
     /// On the first level.
     AnnealSchedule first(std::uint64_t seed) const;
-    /// On a further level.
-    AnnealSchedule next(const AnnealSchedule& schedule) const;
+    /// On a further level, that of the patchwork.
+    AnnealSchedule next(const AnnealSchedule& schedule, const Patchwork& patchwork) const;
     /// At exact balance, or below a limit.
     AnnealSchedule exchanges(const Patchwork& patchwork, std::uint64_t seed) const;
     /// The same in rounds.
@@ -41,6 +41,7 @@ struct Schedules {
 
 private:
     AnnealSchedule schedule_with(std::uint64_t seed) const;
+    double level_proposals(double cells_per_submesh) const;
     double exchange_proposals() const;
     double least_exchanges(double face_count) const;
 };
@@ -87,8 +88,8 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
             return schedule;
         }
         begin = end;
-        schedule = schedules.next(schedule);
-        uncoarsen(patchwork, multilevel, schedule.thread_count);
+        uncoarsen(patchwork, multilevel, schedules.thread_count);
+        schedule = schedules.next(schedule, patchwork);
     }
 }
 
@@ -103,10 +104,15 @@ AnnealSchedule anneal_further_levels(Patchwork& patchwork,
                                      const ControlOf& control_of,
                                      double last_balance = 1.5) {
     const int done_faces = patchwork.face_count();
-    const AnnealSchedule next = schedules.next(schedule);
-    uncoarsen(patchwork, multilevel, next.thread_count);
-    return anneal_levels(
-        patchwork, multilevel, schedules, next, face_count, control_of, done_faces, last_balance);
+    uncoarsen(patchwork, multilevel, schedules.thread_count);
+    return anneal_levels(patchwork,
+                         multilevel,
+                         schedules,
+                         schedules.next(schedule, patchwork),
+                         face_count,
+                         control_of,
+                         done_faces,
+                         last_balance);
 }
 
 } // namespace spheroseg

@@ -194,8 +194,8 @@ private:
             report_progress(control.progress,
                             std::sqrt(static_cast<double>(patchwork.face_count()) / last),
                             "");
-            schedule = short_schedules_.next(schedule);
             multilevel_.uncoarsen(patchwork);
+            schedule = short_schedules_.next(schedule, patchwork);
         }
     }
 
@@ -244,18 +244,17 @@ TrialWork trial_work(const TrialPlan& plan, int face_count) {
     const int trial_faces = std::min(kTrialFaces, face_count);
     const int final_faces = std::min(kFinalFaces, face_count);
     const double first_edges = hexagonal_edges(plan.first_face_count, plan.submesh_count);
-    const double trial_edges = hexagonal_edges(trial_faces, plan.submesh_count);
     const double first = schedules.first_proposals() * first_edges;
-    const double further = schedules.further_proposals(first_edges, trial_edges);
+    const double further =
+        schedules.further_proposals(plan.first_face_count, trial_faces, plan.submesh_count);
     // Of four trials one is melted before, and one annealed after each cut.
     const double melting = kMeltingProposals * first + further;
     const double cuts = std::log2(plan.submesh_count) * first;
     const double trial = schedules.budget.trial_share * (first + further + (melting + cuts) / 4.0) +
         schedules.budget.relaxations * plan.first_face_count / kRelaxedPerProposal;
     const auto finalists = std::min(static_cast<int>(kFinalists), plan.count);
-    const double final_edges = hexagonal_edges(final_faces, plan.submesh_count);
     return {trial * plan.count / std::min(threads, plan.count),
-            schedules.further_proposals(trial_edges, final_edges) * finalists /
+            schedules.further_proposals(trial_faces, final_faces, plan.submesh_count) * finalists /
                 std::min(threads, finalists),
             final_faces};
 }

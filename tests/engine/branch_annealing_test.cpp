@@ -24,7 +24,7 @@ Patchwork annealed(const Levels& levels, int submesh_count, std::uint64_t seed) 
     Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);
     bisect(patchwork, submesh_count, seed, 1);
     repair(patchwork);
-    AnnealSchedule schedule = standard().next(standard().first(seed));
+    AnnealSchedule schedule = standard().next(standard().first(seed), patchwork);
     set_balance(schedule, patchwork, 0.5, 10.0);
     anneal(patchwork, schedule, {});
     return patchwork;
