@@ -16,7 +16,7 @@ struct Budget {
     double first_proposals;
     double small_first_proposals;
     double level_proposals;
-    /// On levels with so many cells per sub-mesh; more where there are more (Schedules).
+    /// Cells per sub-mesh from which on a further level gets more than that.
     int large_submesh;
     /// The part of these that is made in each trial of the first start, and how many cells all
     /// trials together may have on the first level.

@@ -78,6 +78,10 @@ double total_load(const Patchwork& patchwork) {
 
 } // namespace
 
+double mean_cell_count(const Patchwork& patchwork) {
+    return static_cast<double>(patchwork.face_count()) / patchwork.submesh_count();
+}
+
 double mean_load(const Patchwork& patchwork) {
     return total_load(patchwork) / patchwork.submesh_count();
 }

@@ -117,6 +117,9 @@ void sum_loads(Patchwork& patchwork);
 /// The load that all sub-meshes would have if they were balanced.
 double mean_load(const Patchwork& patchwork);
 
+/// Cells per sub-mesh.
+double mean_cell_count(const Patchwork& patchwork);
+
 double mean_face_weight(const Patchwork& patchwork);
 
 /// The loads of sub-meshes of unit weights that differ by at most one.

@@ -54,8 +54,7 @@ public:
           distances_(faces_.size(), 0), inside_(faces_.size()), keys_(faces_.size(), kUnreached) {
         mean_load_ = mean_load(patchwork);
         // Steps from the centre of a round patch to its rim.
-        radius_ = kStep *
-            std::sqrt(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
+        radius_ = kStep * std::sqrt(mean_cell_count(patchwork));
         lay_out_parts();
         read_patchwork();
     }

@@ -29,18 +29,20 @@ double Schedules::first_proposals() const {
     return are_small ? budget.small_first_proposals : budget.first_proposals;
 }
 
-/// Per boundary face. The boundaries of large sub-meshes are a small part of their cells, and there
-/// is more to straighten.
 double Schedules::level_proposals(double cells_per_submesh) const {
     return share * budget.level_proposals *
         std::clamp(std::sqrt(cells_per_submesh / budget.large_submesh), 1.0, kMostGrowth);
+}
+
+double Schedules::level_work(double cells, int submesh_count) const {
+    return level_proposals(cells / submesh_count) * hexagonal_edges(cells, submesh_count);
 }
 
 double
 Schedules::further_proposals(double first_cells, double last_cells, int submesh_count) const {
     double proposals = 0.0;
     for (double cells = last_cells; cells > first_cells; cells *= MeshLevels::kLeastShare) {
-        proposals += level_proposals(cells / submesh_count) * hexagonal_edges(cells, submesh_count);
+        proposals += level_work(cells, submesh_count);
     }
     return proposals;
 }
@@ -78,8 +80,7 @@ AnnealSchedule Schedules::next(const AnnealSchedule& schedule, const Patchwork& 
     next.thread_count = thread_count;
     ++next.seed;
     next.temperature_begin = 0.25;
-    next.proposals_per_face =
-        level_proposals(static_cast<double>(patchwork.face_count()) / patchwork.submesh_count());
+    next.proposals_per_face = level_proposals(mean_cell_count(patchwork));
     next.phase_count = budget.level_phases;
     return next;
 }
@@ -133,10 +134,8 @@ double hexagonal_edges(double face_count, int submesh_count) {
 }
 
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
-    const double faces_per_submesh =
-        static_cast<double>(patchwork.face_count()) / patchwork.submesh_count();
-    schedule.balance_weight_begin = begin / faces_per_submesh;
-    schedule.balance_weight_end = end / faces_per_submesh;
+    schedule.balance_weight_begin = begin / mean_cell_count(patchwork);
+    schedule.balance_weight_end = end / mean_cell_count(patchwork);
 }
 
 void uncoarsen(Patchwork& patchwork, const Multilevel& multilevel, int thread_count) {

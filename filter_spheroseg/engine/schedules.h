@@ -6,7 +6,6 @@
 #include "multilevel.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace spheroseg {
 
@@ -20,7 +19,9 @@ struct Schedules {
     double share = 1.0;
 
     double first_proposals() const;
-    /// Roughly the proposals on all further levels, from a first one with so many cells up to one
+    /// Roughly the proposals on a further level with so many cells.
+    double level_work(double cells, int submesh_count) const;
+    /// The same on all further levels, from a first one with so many cells up to one
     /// with more.
     double further_proposals(double first_cells, double last_cells, int submesh_count) const;
     /// Exchanges where there are so many faces and boundary edges.
@@ -41,6 +42,8 @@ struct Schedules {
 
 private:
     AnnealSchedule schedule_with(std::uint64_t seed) const;
+    /// Per boundary face of a further level. The boundaries of large sub-meshes are a small part of
+    /// their cells, and there is more to straighten.
     double level_proposals(double cells_per_submesh) const;
     double exchange_proposals() const;
     double least_exchanges(double face_count) const;
@@ -70,15 +73,17 @@ AnnealSchedule anneal_levels(Patchwork& patchwork,
                              const ControlOf& control_of,
                              int done_faces = 0,
                              double last_balance = 1.5) {
-    // Boundaries and times grow with the square root of the number of cells.
-    const double done = std::sqrt(done_faces);
-    const double all = std::sqrt(std::min(face_count, multilevel.face_count()));
+    const auto work_up_to = [&](int cells) {
+        return schedules.level_work(cells, patchwork.submesh_count());
+    };
+    const double done = work_up_to(done_faces);
+    const double all = work_up_to(std::min(face_count, multilevel.face_count()));
     double begin = 0.0;
     for (;;) {
         const bool is_finest = patchwork.face_count() == multilevel.face_count();
         const bool is_last = is_finest || patchwork.face_count() >= face_count;
         const double end =
-            is_last ? 1.0 : (std::sqrt(patchwork.face_count()) - done) / (all - done);
+            is_last ? 1.0 : (work_up_to(patchwork.face_count()) - done) / (all - done);
         if (is_finest) {
             schedule.temperature_end = 0.1;
         }

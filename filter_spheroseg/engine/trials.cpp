@@ -191,8 +191,10 @@ private:
                 report_progress(control.progress, 1.0, "");
                 return;
             }
+            const int submesh_count = patchwork.submesh_count();
             report_progress(control.progress,
-                            std::sqrt(static_cast<double>(patchwork.face_count()) / last),
+                            short_schedules_.level_work(patchwork.face_count(), submesh_count) /
+                                short_schedules_.level_work(last, submesh_count),
                             "");
             multilevel_.uncoarsen(patchwork);
             schedule = short_schedules_.next(schedule, patchwork);
