@@ -77,7 +77,7 @@ inline Budget budget_of(Effort effort) {
         budget.level_proposals = 1500.0;
         budget.large_submesh = 256;
         budget.branch_proposals = 400.0;
-        budget.trial_share = 0.1;
+        budget.trial_share = 0.2;
         budget.trial_faces = 6000;
         budget.exchange_proposals = 1000.0;
         budget.small_exchange_proposals = 2000.0;

@@ -23,6 +23,9 @@ constexpr int kSmallSubmesh = 86;
 /// to so many times those of the budget.
 constexpr std::int64_t kCoarsening = 4;
 constexpr std::int64_t kMoreRelaxations = 4;
+/// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
+/// on the sphere too much.
+constexpr int kManySubmeshes = 50;
 /// Microseconds of a proposal; and per face of a relaxation, of bringing labels to finer levels,
 /// and of what follows the exchanges.
 constexpr double kProposal = 0.1;
@@ -32,10 +35,14 @@ constexpr double kFinish = 0.05;
 
 } // namespace
 
-FastPlan::FastPlan(
-    int face_count, int submesh_count, bool by_weight, Effort effort, int thread_count)
+FastPlan::FastPlan(int face_count,
+                   int submesh_count,
+                   bool by_weight,
+                   bool has_sphere,
+                   Effort effort,
+                   int thread_count)
     : face_count_(face_count), submesh_count_(submesh_count), by_weight_(by_weight),
-      thread_count_(thread_count), first_face_count_(coarse_face_count()) {
+      has_sphere_(has_sphere), thread_count_(thread_count), first_face_count_(coarse_face_count()) {
     set_effort(effort);
 }
 
@@ -44,7 +51,8 @@ void FastPlan::set_effort(Effort effort) {
     schedules_ = {
         budget_of(are_single_or_pairs() ? Effort::draft : effort), are_small, thread_count_};
     start_count_ = schedules_.budget.starts;
-    if (!coarsens() && !by_weight_) {
+    const bool is_another_on_sphere = has_sphere_ && coarsens() && submesh_count_ >= kManySubmeshes;
+    if (!is_another_on_sphere && !by_weight_) {
         schedules_.share = start_count_;
         start_count_ = 1;
     }

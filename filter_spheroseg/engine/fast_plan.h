@@ -23,7 +23,13 @@ struct StartCost {
 /// [2, face_count]: where it starts, and how much it does.
 class FastPlan {
 public:
-    FastPlan(int face_count, int submesh_count, bool by_weight, Effort effort, int thread_count);
+    /// `has_sphere`: can there be a map to the sphere?
+    FastPlan(int face_count,
+             int submesh_count,
+             bool by_weight,
+             bool has_sphere,
+             Effort effort,
+             int thread_count);
 
     /// For what is still to be done.
     void set_effort(Effort effort);
@@ -33,9 +39,12 @@ public:
     /// so that every effort is a draft.
     bool are_single_or_pairs() const;
 
-    /// How many starts are made, of which the best result is kept. Where there is only one level, a
-    /// single one that takes as long is better; but by weight it is the balance that differs.
+    /// How many starts are made, of which the best result is kept: several only where they differ
+    /// in more than the seed, else a single one that takes as long is better; but by weight it is
+    /// the balance that differs.
     int start_count() const { return start_count_; }
+    /// Is the second start one on the sphere?
+    bool starts_on_sphere() const { return start_count_ > 1 && !by_weight_; }
 
     /// The cells that the first level of a coarsened mesh has at least; the faces of another.
     int coarse_face_count() const;
@@ -65,6 +74,7 @@ private:
     int face_count_;
     int submesh_count_;
     bool by_weight_;
+    bool has_sphere_;
     int thread_count_;
     Schedules schedules_;
     int start_count_;

@@ -34,9 +34,6 @@ constexpr double kBisectionShare = 0.15;
 constexpr double kSearchOverDraft = 10.0;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
-/// From here on the sphere is as good a start as the graph, and another one; below, limbs stretch
-/// on the sphere too much.
-constexpr int kManySubmeshes = 50;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
 
@@ -54,6 +51,7 @@ public:
           plan_(component.face_count(),
                 task.submesh_count,
                 !task.weights.empty(),
+                whole != nullptr,
                 options.effort,
                 options.thread_count) {}
 
@@ -108,8 +106,7 @@ private:
 
     /// Is the second start one on the sphere?
     bool starts_on_sphere() const {
-        return whole_ && wanted_starts() > 1 && !by_weight() && !is_hurried_ &&
-            submesh_count_ >= kManySubmeshes;
+        return task_.initial_labels.empty() && plan_.starts_on_sphere();
     }
 
     /// When the time is up and there is no valid result, one is made as `draft` does it, without

@@ -20,6 +20,8 @@ namespace spheroseg {
 namespace {
 
 constexpr int kMaxTrials = 12;
+/// On tiny meshes there is no room for more layouts than one for so many cells.
+constexpr int kCellsPerTrial = 20;
 /// Every trial is annealed up to the first level with so many cells.
 constexpr int kTrialFaces = 4000;
 /// So many of the best trials go on up to a level with so many cells, unless one is much worse than
@@ -237,7 +239,9 @@ private:
 } // namespace
 
 int trial_count(const Budget& budget, int first_face_count) {
-    return std::clamp(budget.trial_faces / first_face_count, 1, kMaxTrials);
+    const int worth =
+        std::min(budget.trial_faces / first_face_count, first_face_count / kCellsPerTrial);
+    return std::clamp(worth, 1, kMaxTrials);
 }
 
 TrialWork trial_work(const TrialPlan& plan, int face_count) {
