@@ -12,7 +12,7 @@ namespace spheroseg {
 
 namespace {
 
-constexpr double kLabelLimit = 1 << 24;
+constexpr int kLabelLimit = 1 << 24;
 
 using Allocator = vcg::tri::Allocator<CMeshO>;
 
@@ -82,6 +82,15 @@ std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted) {
         labels[i] = static_cast<int>(quality);
     }
     return labels;
+}
+
+void check_label_range(int submesh_count) {
+    if (submesh_count > kLabelLimit) {
+        throw InvalidOptions("The face quality holds the labels of up to " +
+                             std::to_string(kLabelLimit) + " sub-meshes, but " +
+                             std::to_string(submesh_count) +
+                             " are asked for. Ask for fewer sub-meshes.");
+    }
 }
 
 std::vector<double>

@@ -42,6 +42,9 @@ read_face_attribute(const CMeshO& host, const HostMesh& adapted, const std::stri
 /// The `sphere_position` attribute, or nothing when the mesh has none.
 std::optional<std::vector<Vec3>> read_sphere_positions(const CMeshO& host, const HostMesh& adapted);
 
+/// Throws InvalidOptions when the labels of so many sub-meshes would not be such numbers.
+void check_label_range(int submesh_count);
+
 /// Face quality must be enabled.
 void write_labels(CMeshO& host, const HostMesh& adapted, const std::vector<int>& labels);
 

@@ -68,15 +68,15 @@ void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& 
                 defaults.max_cohesion_iterations,
                 "Limit of cohesion iterations",
                 "Stop the cohesion after so many iterations; where this ends it early, "
-                "the method fast makes one start instead of several. 0: until "
+                "the method fast tries one layout only, where it would try several. 0: until "
                 "converged.",
                 kAdvanced));
     parameters.addParam(RichInt("max_refinement_iterations",
                                 defaults.max_refinement_iterations,
                                 "Limit of refinement iterations",
                                 "Stop the refinement after so many iterations; where this ends it "
-                                "early, the method fast makes one start instead of several. 0: "
-                                "until converged.",
+                                "early, the method fast tries one layout only, where it would try "
+                                "several. 0: until converged.",
                                 kAdvanced));
     parameters.addParam(RichFloat("time_limit_seconds",
                                   Scalarm(defaults.time_limit_seconds),

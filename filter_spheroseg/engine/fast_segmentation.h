@@ -20,7 +20,7 @@ struct ComponentTask {
     /// Of its faces, in [0, submesh_count), or -1 for none; or empty.
     std::vector<int> initial_labels;
     /// May be null. Anneals instead of the cores, with the same result, all but the trials from
-    /// which the first start is chosen.
+    /// which the first start is chosen, and what shakes boundaries for a better balance.
     AnnealDevice* device = nullptr;
 };
 

@@ -175,7 +175,7 @@ Measures measure(const TriangleMesh& mesh,
     std::vector<int> components;
     const int threads = threads_for(thread_count, mesh.face_count(), kFacesPerThread / 4);
     ParallelFailure failure;
-#pragma omp parallel sections num_threads(threads)
+#pragma omp parallel sections num_threads(std::min(threads, 2))
     {
 #pragma omp section
         failure.guard(

@@ -24,8 +24,8 @@ struct SegmentOptions {
     std::uint64_t seed = 0;
     /// 0: all cores; at most 256, or as many as there are cores, are used.
     int thread_count = 0;
-    /// 0: until converged. With a limit below what it does on all its levels `fast` makes one start
-    /// where it would choose among several.
+    /// 0: until converged. With a limit below what it does on all its levels `fast` makes no
+    /// trials.
     int max_cohesion_iterations = 0;
     int max_refinement_iterations = 0;
     /// 0: none. When it is hit the result is still valid and balanced as far as the method

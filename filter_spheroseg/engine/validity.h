@@ -45,8 +45,8 @@ struct MeshReport {
     VertexFanCount fans_per_vertex() const;
 };
 
-/// Examines a mesh in O(F log F), on up to two threads. Its vertex indices must be in range, as
-/// `build_dual_graph` checks.
+/// Examines a mesh in O(F log F). Its vertex indices must be in range, as `build_dual_graph`
+/// checks.
 MeshReport inspect(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count = 0);
 
 /// Empty when `report` describes one closed, oriented, manifold component of genus 0 with finite

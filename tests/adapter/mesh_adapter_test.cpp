@@ -100,6 +100,15 @@ TEST(Labels, ErrorsShowValuesThatAreNearlyWhole) {
     }
 }
 
+TEST(Labels, ThatSinglePrecisionWouldRoundAreRefused) {
+    constexpr int kMost = 16777216; // labels up to 16777215; above this neighbours become the same
+    EXPECT_EQ(static_cast<int>(static_cast<float>(kMost - 1)), kMost - 1);
+    EXPECT_EQ(static_cast<float>(kMost), static_cast<float>(kMost + 1));
+    EXPECT_NO_THROW(check_label_range(1));
+    EXPECT_NO_THROW(check_label_range(kMost));
+    EXPECT_THROW(check_label_range(kMost + 1), InvalidOptions);
+}
+
 TEST(FaceColors, AreThoseOfTheLabels) {
     CMeshO host = make_tetrahedron_with_deleted_elements();
     const HostMesh adapted = read_mesh(host);
