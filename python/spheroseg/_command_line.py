@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What this package has to know about the program that imports it."""
+"""What this package has to know about the program that imports it, and how that complains."""
 
 import contextlib
 import itertools
@@ -16,6 +16,12 @@ def is_command_line() -> bool:
         words = itertools.dropwhile(lambda word: not word.startswith("-m"), sys.orig_argv)
         name = next(words, "").removeprefix("-m") or next(words, "")
     return name.partition(".")[0] == "spheroseg"
+
+
+def complain(line: str) -> None:
+    """Says a line on stderr. Where that can not be written, the exit code must do."""
+    with contextlib.suppress(OSError):
+        print(line, file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager

@@ -21,8 +21,10 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TextIO
 
 from spheroseg import __version__
+from spheroseg._command_line import complain
 from spheroseg.errors import InputError, PluginError
 
 EXIT_BAD_INPUT = 2
@@ -98,15 +100,24 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = _run(argv)
     except SystemExit as stop:  # of argparse
         code = stop.code
-    try:
-        sys.stdout.flush()
-    except OSError as error:
-        # What is left would be tried again, and fail with a traceback, when Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(error, BrokenPipeError):
-            return EXIT_PIPE_CLOSED
-        return code or _report("spheroseg", f"the standard output: {error.strerror}")
+    error = _flushed(sys.stdout)
+    if isinstance(error, BrokenPipeError):
+        code = EXIT_PIPE_CLOSED
+    elif error:
+        code = code or _report("spheroseg", f"the standard output: {error.strerror}")
+    _flushed(sys.stderr)
     return code
+
+
+def _flushed(stream: TextIO) -> OSError | None:
+    """What is left in the stream after an error is given up: it would be tried again, and end the
+    program with a traceback or another exit code, when Python ends."""
+    try:
+        stream.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        return error
+    return None
 
 
 def _open_closed_streams() -> None:
@@ -154,7 +165,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _report(program: str, message: str) -> int:
-    print(f"{program}: {_one_line(message)}", file=sys.stderr)
+    complain(f"{program}: {_one_line(message)}")
     return EXIT_BAD_INPUT
 
 

@@ -30,13 +30,20 @@ from rich.progress import (
 _REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
 
 
+class _PatientConsole(Console):
+    """Goes on, in silence, when nobody reads any more; rich would end the program."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+
+
 class MeshProgress:
     """Of `total` meshes on stderr: where that is a terminal a bar with the time left while the
     `with` block runs, and in any case the lines that are said."""
 
     def __init__(self, title: str, total: int):
         columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        self._console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self._console = _PatientConsole(stderr=True, highlight=False, soft_wrap=True)
         self._bar = Progress(*columns, console=self._console, disable=not self._console.is_terminal)
         self._task = self._bar.add_task("", total=total)
 
@@ -51,7 +58,8 @@ class MeshProgress:
         self._bar.advance(self._task)
 
     def say(self, line: str) -> None:
-        self._console.print(line, markup=False, emoji=False)
+        with contextlib.suppress(OSError):  # a full disk, where stderr is a file
+            self._console.print(line, markup=False, emoji=False)
 
     def say_failed(self, failure: str) -> None:
         self.say(f"failed: {failure}")
@@ -70,16 +78,21 @@ def filter_progress(mesh_set: pymeshlab.MeshSet, title: str) -> Iterator[None]:
         return
     terminal = os.dup(2)
     reader, writer = os.pipe()
-    os.dup2(writer, 2)
-    os.close(writer)
-    mesh_set.set_verbosity(True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with os.fdopen(terminal, "w") as screen, os.fdopen(reader, errors="replace") as reports:
+    with (
+        os.fdopen(terminal, "w", errors="replace") as screen,
+        os.fdopen(reader, errors="replace") as reports,
+        os.fdopen(writer, "w") as pipe,
+    ):
         console = Console(file=screen, force_terminal=True)
-        with Progress(*columns, console=console, transient=True) as progress:
+        spinner = "dots" if console.encoding.startswith("utf") else "line"
+        columns = (SpinnerColumn(spinner), TextColumn("{task.description}"), BarColumn())
+        with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as progress:
             task = progress.add_task(title, total=None)
             follower = threading.Thread(target=_follow, args=(reports, progress, task, title))
             follower.start()
+            os.dup2(writer, 2)
+            pipe.close()
+            mesh_set.set_verbosity(True)
             try:
                 with _no_output():
                     yield

@@ -228,6 +228,88 @@ def test_resume_with_other_formats_leaves_nothing_that_contradicts_it(tmp_path):
     assert (output / "b.ply").is_file()
 
 
+def test_the_same_settings_in_other_words_change_nothing(tmp_path):
+    output = tmp_path / "out"
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(output), "-k", "4"]
+    assert main([*arguments, "--formats", "ply,npy"]) == 0
+    manifest = (output / "manifest.csv").read_bytes()
+    before = (output / "a.ply").stat().st_mtime_ns
+    said = ["--seed", "0", "--time-limit", "0", "--method", "fast", "--effort", "standard"]
+    assert main([*arguments, "--formats", "npy,ply,npy", *said, "--resume"]) == 0
+    assert (output / "a.ply").stat().st_mtime_ns == before
+    assert (output / "manifest.csv").read_bytes() == manifest
+
+
+def test_what_is_wrong_for_every_mesh_is_said_once_and_costs_no_result(tmp_path, capsys):
+    output = tmp_path / "out"
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "-k", "4"]
+    assert main(arguments) == 0
+    before = {path: path.read_bytes() for path in output.iterdir() if path.is_file()}
+    capsys.readouterr()
+    for wrong, words in (
+        (["--method", "all_pairs", "--balance", "weight"], 'method "fast" with balance "weight"'),
+        (["--time-limit", "-1"], "time_limit_seconds must be 0 or more"),
+        (["--threads", "-1"], "thread_count must be 0 or more"),
+        (["-k", "0"], "submesh_count must be 1 or more"),
+    ):
+        assert main([*arguments, *wrong, "--resume"]) == 2
+        said = capsys.readouterr().err
+        assert words in said
+        assert said.count("\n") == 1
+        assert {path: path.read_bytes() for path in output.iterdir() if path.is_file()} == before
+
+
+def test_no_run_replaces_or_removes_a_file_that_no_batch_has_written(tmp_path, capsys):
+    output = tmp_path / "out"
+    write_mesh(tmp_path / "in" / "a.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "-k", "4", "--formats", "npy"]
+    assert main(arguments) == 0
+    (output / "b.npy").write_text("of somebody else")
+    for content in ("a mesh that is none", None):
+        write_mesh(tmp_path / "in" / "b.ply")
+        if content:
+            (tmp_path / "in" / "b.ply").write_text(content)
+        capsys.readouterr()
+        assert main([*arguments, "--resume"]) == 2
+        assert "b.npy: is there already, and the result of" in capsys.readouterr().err
+        assert (output / "b.npy").read_text() == "of somebody else"
+    (output / "b.npy").unlink()
+    assert main([*arguments, "--resume"]) == 0
+    assert len(np.load(output / "b.npy")) == len(np.load(output / "a.npy"))
+
+
+@pytest.mark.parametrize("stream", ["2>/dev/full", "2> >(true)"])
+def test_failures_that_can_not_be_said_hold_nothing_up(stream, tmp_path):
+    for index in range(3):
+        write_mesh(tmp_path / "in" / f"good{index}.ply")
+        (tmp_path / "in" / f"bad{index}.ply").write_text("no mesh")
+    program = [sys.executable, "-m", "spheroseg", "batch", str(tmp_path / "in")]
+    program += ["-o", str(tmp_path / "out"), "-k", "4", "--workers", "1"]
+    # The stream is closed at its other end before the first line is said.
+    line = f'sleep 0.2; exec "$@" {stream}'
+    done = subprocess.run(
+        ["bash", "-c", line, "bash", *program], capture_output=True, text=True, env=environment()
+    )
+    assert done.returncode == 1
+    assert "3 of 6 meshes done" in done.stdout
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed"] * 3 + ["done"] * 3
+
+
+def test_a_mesh_whose_name_has_two_lines_fails_in_one(tmp_path):
+    mesh = tmp_path / "in" / "two\nlines.ply"
+    mesh.parent.mkdir()
+    mesh.write_text("no mesh")
+    write_mesh(tmp_path / "in" / "z.ply")
+    code, _, complained = run_batch(tmp_path / "in", "-o", tmp_path / "out", "-k", 4)
+    assert code == 1
+    assert complained.count("\n") == 1
+    assert complained.startswith(f"failed: {tmp_path}/in/two lines.ply: ")
+    assert complained.count("lines.ply") == 1
+
+
 @pytest.mark.parametrize("is_there", [True, False])
 def test_a_mesh_that_is_there_and_fails_keeps_no_result_of_an_earlier_run(is_there, tmp_path):
     output = tmp_path / "out"
@@ -993,7 +1075,7 @@ def test_what_is_wrong_for_every_mesh_is_said_before_the_first(option, tmp_path,
     write_mesh(tmp_path / "a.ply")
     assert main(["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), *option]) == 2
     said = capsys.readouterr().err
-    assert f"got {option[1]}" in said
+    assert f"found {option[1]}" in said
     assert said.count("\n") == 1
     assert not (tmp_path / "out").exists()
 

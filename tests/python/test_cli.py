@@ -766,6 +766,12 @@ def test_output_that_can_not_be_written_is_one_line(arguments):
     assert "the standard output: No space left on device" in done.stderr
 
 
+@pytest.mark.parametrize("stream", ["2>/dev/full", "2> >(true)"])
+def test_errors_that_can_not_be_said_have_their_exit_code(stream):
+    done = run_shell(f'sleep 0.2; exec "$@" {stream}', "segment", "no such file.obj", "-k", 2)
+    assert done.returncode == 2
+
+
 def test_a_command_whose_output_nobody_reads_ends_in_silence(tmp_path):
     line = '"$@" | true; exit ${PIPESTATUS[0]}'
     for arguments in (
@@ -788,14 +794,14 @@ def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     assert not any(path.exists() for path in outputs)
 
 
-def shown_on_a_terminal(*arguments) -> tuple[list[str], bytes]:
+def shown_on_a_terminal(*arguments, **variables) -> tuple[list[str], bytes]:
     """Each state of the bar that a command draws on stderr, without colours, and its output."""
     controller, terminal = pty.openpty()
     process = subprocess.Popen(
         [sys.executable, "-m", "spheroseg", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=terminal,
-        env=environment(TERM="xterm", NO_COLOR="1", COLUMNS="120"),
+        env=environment(TERM="xterm", NO_COLOR="1", COLUMNS="120", **variables),
     )
     os.close(terminal)
     shown = b"".join(iter(lambda: read_terminal(controller), b""))
@@ -814,6 +820,16 @@ def test_progress_on_a_terminal_rises_and_leaves_the_output_alone():
     assert lengths == sorted(lengths)
     assert lengths[0] < lengths[-1] == 40  # as long as a bar is
     assert "Segmenting: Done" in reports[-1]
+
+
+@pytest.mark.parametrize("command", ["segment", "batch"])
+def test_progress_on_a_terminal_that_knows_ascii_only(command, tmp_path):
+    output = tmp_path / ("out" if command == "batch" else "out.ply")
+    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    shown, _ = shown_on_a_terminal(command, LEAF, "-k", "20", "-o", output, **plain)
+    assert output.exists()
+    assert "Segmenting" in " ".join(shown)
+    assert " ".join(shown).isascii()
 
 
 def test_progress_of_many_meshes_counts_those_that_are_done(tmp_path):

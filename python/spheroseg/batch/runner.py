@@ -81,8 +81,8 @@ def prepared_folder(
 ) -> Iterator[None]:
     """Makes the output folder, which is for this run alone while the `with` block runs. Refuses one
     where another batch writes, one with earlier results unless they are to be resumed, and one
-    where a result would replace a mesh of the jobs, one of the `lists` of meshes or, on the first
-    run, any file."""
+    where a result would replace a mesh of the jobs, one of the `lists` of meshes, or any file that
+    no batch has written there."""
     records = folder / RECORD_FOLDER
     if not records.is_dir():
         _checked_results(folder, jobs, lists, resume)  # a refusal leaves nothing
@@ -100,16 +100,18 @@ def _checked_results(folder: Path, jobs: list[Job], lists: list[Path], resume: b
             f"{folder}: has results of an earlier run; add --resume to do only what is missing or "
             "changed, or name another folder"
         )
-    results = known_results(folder) if resume else set()
+    known = known_results(folder)
+    results = set(known) if resume else set()
     inputs = {file_identity(Path(path)) for path in (*(job.mesh for job in jobs), *lists)} - {None}
     for path, source in _outputs(folder.absolute(), jobs):
-        results.add(path.relative_to(folder.absolute()).as_posix())
+        name = path.relative_to(folder.absolute()).as_posix()
+        results.add(name)
         found = file_identity(path)
         if found in inputs:
             raise InputError(
                 f"{path}: is an input, and {source} would replace it; name another output folder"
             )
-        if found and not records:
+        if found and name not in known:
             raise InputError(
                 f"{path}: is there already, and {source} would replace it; name another output "
                 "folder"

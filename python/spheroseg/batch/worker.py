@@ -46,8 +46,8 @@ def main() -> int:
         print(error.strerror, file=sys.stderr)
         return DISK_FULL_EXIT
     except (InputError, PluginError, ImportError, OSError, MemoryError) as error:
-        message = " ".join(str(error).split()) or type(error).__name__
-        print(message.removeprefix(f"{job.mesh}: "), file=sys.stderr)
+        message = str(error).removeprefix(f"{job.mesh}: ")
+        print(" ".join(message.split()) or type(error).__name__, file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)

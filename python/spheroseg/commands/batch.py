@@ -6,10 +6,10 @@ wanted, submesh_count. A mesh that fails costs one line and exit code 1; the oth
 that was broken off, killed included, continues with --resume. docs/batch.md tells more.
 """
 
-import sys
 from pathlib import Path
 
 from spheroseg import api, atomic
+from spheroseg._command_line import complain
 from spheroseg.batch import inputs, runner
 from spheroseg.batch.jobs import FORMATS, Job, versions
 from spheroseg.commands import shared
@@ -22,14 +22,9 @@ from spheroseg.progress import MeshProgress
 
 # Of the filter; given here so that the manifest tells of them.
 _DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0, "balance": "triangle_count"}
-_LEAST = {
-    "submesh_count": 1,
-    "triangles_per_submesh": 1,
-    "thread_count": 0,
-    "max_cohesion_iterations": 0,
-    "max_refinement_iterations": 0,
-    "time_limit_seconds": 0,
-}
+# 0 stands for what the filter does without them.
+_NONE_BY_ZERO = ("max_cohesion_iterations", "max_refinement_iterations", "time_limit_seconds")
+_COUNTS = ("submesh_count", "triangles_per_submesh")
 
 
 def add_arguments(parser):
@@ -75,7 +70,7 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
 
             def done(record: dict) -> None:
                 if record["status"] == "failed":
-                    progress.say_failed(f"{record['mesh']}: {record['error']}")
+                    progress.say_failed(" ".join(f"{record['mesh']}: {record['error']}".split()))
                 progress.advance()
 
             records = runner.run_all(
@@ -88,11 +83,11 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
             )
         manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)
     except atomic.DiskFullError as error:
-        print(f"spheroseg batch: {error.strerror} with --resume", file=sys.stderr)
+        complain(f"spheroseg batch: {error.strerror} with --resume")
         return 1
     lost = next((record["error"] for record in records if record["status"] == "undone"), None)
     if lost:
-        print(f"spheroseg batch: {lost}; go on with --resume", file=sys.stderr)
+        complain(f"spheroseg batch: {lost}; go on with --resume")
     finished = [record for record in records if record["status"] == "done"]
     short_count = sum(
         bool(api.shortcomings(record["measures"], record["settings"]["options"]["balance"]))
@@ -108,15 +103,17 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
 def _jobs(arguments) -> tuple[list[Job], int]:
     """The jobs, and how many of them run at a time on this machine."""
     options = _DEFAULTS | api.segment_parameters(segment_options(arguments))
-    _check_ranges(options)
-    if options.get("device") == "cuda" and not arguments.scheduler:
-        api.segment(*api.TETRAHEDRON, 1, device="cuda")  # says what is missing
+    _check_options(options, *_COUNTS, *(["device"] if arguments.scheduler else []))
     threads = options.pop("thread_count", None)
-    formats = tuple(f".{name}" for name in _formats(arguments))
-    for name in formats:
+    options = {
+        name: value for name, value in options.items() if value != 0 or name not in _NONE_BY_ZERO
+    }
+    asked = [f".{name}" for name in _formats(arguments)]
+    for name in asked:
         if name not in FORMATS:
             known = ", ".join(form[1:] for form in FORMATS)
             raise InputError(f"--formats knows {known}, but not '{name[1:]}'")
+    formats = tuple(name for name in FORMATS if name in asked)
     sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
     if not (arguments.resume or any(source.mesh.exists() for source in sources)):
         check_is_file(sources[0].mesh)  # else each fails on its own
@@ -144,11 +141,13 @@ def _formats(arguments) -> list[str]:
     return [name.strip() for name in arguments.formats.split(",")]
 
 
-def _check_ranges(options: dict) -> None:
-    """What is wrong for every mesh is said once, before the first."""
-    for name, least in _LEAST.items():
-        if options.get(name, least) < least:
-            raise InputError(f"{name} must be {least} or more, got {options[name]}")
+def _check_options(options: dict, *left_out: str) -> None:
+    """What is wrong, or missing, for every mesh is said once, before the first."""
+    count = options.get("submesh_count", 1)
+    if count < 1:
+        raise InputError(f"submesh_count must be 1 or more, found {count}")
+    others = {name: value for name, value in options.items() if name not in left_out}
+    api.segment(*api.TETRAHEDRON, 1, **others)
 
 
 def _check_packages(arguments) -> None:

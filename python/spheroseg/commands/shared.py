@@ -3,7 +3,6 @@
 
 import contextlib
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from spheroseg import __version__, api, atomic, mesh_files
+from spheroseg._command_line import complain
 from spheroseg.arrays import as_labels
 from spheroseg.errors import InputError
 from spheroseg.file_checks import check_name
@@ -76,7 +76,7 @@ def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
 
 def warn(arguments, text: str) -> None:
     """Says one line about a result that lacks something."""
-    print(f"spheroseg {arguments.command}: warning: {text}", file=sys.stderr)
+    complain(f"spheroseg {arguments.command}: warning: {text}")
 
 
 def tell_of_lost_vertices(arguments, count: int) -> None:
