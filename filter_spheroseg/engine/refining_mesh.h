@@ -41,12 +41,14 @@ public:
     }
 
 private:
-    /// The faces that the two returning faces of a step come to lie beside, and the sides of those
-    /// that must be turned to them (-1: none, since the face beyond returns too).
+    /// What lies beyond the two edges at which the faces of a step return, and on which of its
+    /// sides; -1 for a border.
     struct Seam {
         std::array<int, 2> beyond;
         std::array<int, 2> side;
     };
+    /// The side of a returned face towards what lies beyond.
+    static constexpr int kBeyond = 1;
 
     int corner_of(int face, int vertex) const {
         return spheroseg::corner_of(faces_[face].vertices, vertex);
@@ -57,16 +59,19 @@ private:
     const int* star_faces(int step) const {
         return &hierarchy_.star_faces[hierarchy_.star_begin[step]];
     }
-    std::array<int, 2> seam_sides(int step) const;
+    /// The faces at which the first and the last of a star return.
+    std::array<int, 2> keepers(int step) const {
+        return {star_faces(step)[1], star_faces(step)[star_size(step) - 2]};
+    }
+    std::array<int, 2> keeper_sides(int step) const;
     Seam find_seam(int step) const;
     void undo_step(int step, const Seam& seam);
+    void link_beyond(int step, const Seam& seam);
 
     const CollapseHierarchy& hierarchy_;
     std::vector<Face> faces_;
     std::vector<int> vertex_faces_;
     std::vector<int> degrees_;
-    /// Step of the running round that a face will give a neighbour to, or -1.
-    std::vector<int> step_of_face_;
     std::vector<Seam> seams_;
     int round_;
     int live_face_count_;
