@@ -203,8 +203,9 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     HostMesh host = read_mesh(document.mm()->cm);
     if (starts_from_face_quality(parameters)) {
         options.initial_labels = read_labels(document.mm()->cm, host);
+    } else {
+        check_label_range(requested_submesh_count(options, host.mesh.face_count()));
     }
-    check_label_range(requested_submesh_count(options, host.mesh.face_count()));
     const std::string weight_attribute = parameters.getString("weight_attribute").toStdString();
     if (!weight_attribute.empty()) {
         options.face_weights = read_face_attribute(document.mm()->cm, host, weight_attribute);
