@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from spheroseg._host import pymeshlab  # before any other import of it
-from spheroseg.errors import InputError, PluginError
+from spheroseg.errors import InputError, PluginError, one_line
 from spheroseg.install import PLUGIN_FILE, plugin_host
 
 PLUGIN_VARIABLE = "SPHEROSEG_PLUGIN"
@@ -212,6 +212,5 @@ def _check_host(path: Path) -> None:
 def _load_failure(path: Path, reason: str) -> str:
     return (
         f"PyMeshLab {_running_release()} can not load the plugin {path}: "
-        + " ".join(reason.split())
-        + " Build it again for this release (`make plugin`)."
+        f"{one_line(reason)} Build it again for this release (`make plugin`)."
     )

@@ -25,7 +25,7 @@ from typing import TextIO
 
 from spheroseg import __version__
 from spheroseg._command_line import complain
-from spheroseg.errors import InputError, PluginError
+from spheroseg.errors import InputError, PluginError, one_line
 
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
@@ -51,7 +51,7 @@ class _OneLineParser(argparse.ArgumentParser):
     """Reports bad usage in one line; argparse would print the usage before it."""
 
     def error(self, message: str) -> None:
-        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {_one_line(message)} (see {self.prog} --help)\n")
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {one_line(message)} (see {self.prog} --help)\n")
 
 
 class _CommandParser(_OneLineParser):
@@ -165,12 +165,8 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def _report(program: str, message: str) -> int:
-    complain(f"{program}: {_one_line(message)}")
+    complain(f"{program}: {one_line(message)}")
     return EXIT_BAD_INPUT
-
-
-def _one_line(message: str) -> str:
-    return " ".join(message.split())
 
 
 if __name__ == "__main__":

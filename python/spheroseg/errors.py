@@ -2,6 +2,11 @@
 """Exceptions of the package. Each message says what was expected, what was found, what to do."""
 
 
+def one_line(message: str) -> str:
+    """For logs and terminals, whatever names and libraries put into it."""
+    return " ".join(message.split())
+
+
 class InputError(ValueError):
     """A mesh, an array, a file or an option that can not be used."""
 

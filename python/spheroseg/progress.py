@@ -27,6 +27,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from spheroseg.errors import one_line
+
 _REPORT = re.compile(r"LOG: \d+ (.*?)\s+\[ (\d+)% \]")
 
 
@@ -62,7 +64,7 @@ class MeshProgress:
             self._console.print(line, markup=False, emoji=False)
 
     def say_failed(self, failure: str) -> None:
-        self.say(f"failed: {failure}")
+        self.say(f"failed: {one_line(failure)}")
 
 
 @contextlib.contextmanager
@@ -85,8 +87,13 @@ def filter_progress(mesh_set: pymeshlab.MeshSet, title: str) -> Iterator[None]:
     ):
         console = Console(file=screen, force_terminal=True)
         spinner = "dots" if console.encoding.startswith("utf") else "line"
-        columns = (SpinnerColumn(spinner), TextColumn("{task.description}"), BarColumn())
-        with Progress(*columns, TimeElapsedColumn(), console=console, transient=True) as progress:
+        columns = (
+            SpinnerColumn(spinner),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=console, transient=True) as progress:
             task = progress.add_task(title, total=None)
             follower = threading.Thread(target=_follow, args=(reports, progress, task, title))
             follower.start()

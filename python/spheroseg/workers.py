@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from spheroseg import atomic
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, one_line
 
 _PR_SET_PDEATHSIG = 1
 _MOST_OF_STDERR = 4096
@@ -155,7 +155,7 @@ def explained(error: Exception) -> str:
     """An error in one line; with its type where the message is not made for people."""
     if isinstance(error, atomic.DiskFullError):
         return error.strerror
-    message = " ".join(str(error).split())
+    message = one_line(str(error))
     if isinstance(error, InputError | ImportError | OSError | RuntimeError) and message:
         return message
     return f"{type(error).__name__}: {message}" if message else type(error).__name__

@@ -27,6 +27,17 @@ def run_program(*arguments, **others):
     return run_python("-m", "spheroseg", *arguments, **others)
 
 
+def run_shell(line, *arguments):
+    """Runs a line of the shell in which "$@" is the program with its arguments."""
+    program = [sys.executable, "-m", "spheroseg", *map(str, arguments)]
+    return subprocess.run(
+        ["bash", "-c", line, "bash", *program],
+        capture_output=True,
+        text=True,
+        env=environment(PYTHONUNBUFFERED=""),
+    )
+
+
 def wait_until(condition, seconds=60):
     end = time.monotonic() + seconds
     while not condition():

@@ -29,6 +29,7 @@ from processes import (
     has_plugin,
     is_running,
     read_or_nothing,
+    run_shell,
     wait_until,
 )
 from shapes import bumpy_sphere, octahedron
@@ -236,6 +237,7 @@ def test_the_same_settings_in_other_words_change_nothing(tmp_path):
     manifest = (output / "manifest.csv").read_bytes()
     before = (output / "a.ply").stat().st_mtime_ns
     said = ["--seed", "0", "--time-limit", "0", "--method", "fast", "--effort", "standard"]
+    said += ["--device", "auto", "--max-refinement-iterations", "0"]
     assert main([*arguments, "--formats", "npy,ply,npy", *said, "--resume"]) == 0
     assert (output / "a.ply").stat().st_mtime_ns == before
     assert (output / "manifest.csv").read_bytes() == manifest
@@ -286,13 +288,8 @@ def test_failures_that_can_not_be_said_hold_nothing_up(stream, tmp_path):
     for index in range(3):
         write_mesh(tmp_path / "in" / f"good{index}.ply")
         (tmp_path / "in" / f"bad{index}.ply").write_text("no mesh")
-    program = [sys.executable, "-m", "spheroseg", "batch", str(tmp_path / "in")]
-    program += ["-o", str(tmp_path / "out"), "-k", "4", "--workers", "1"]
-    # The stream is closed at its other end before the first line is said.
-    line = f'sleep 0.2; exec "$@" {stream}'
-    done = subprocess.run(
-        ["bash", "-c", line, "bash", *program], capture_output=True, text=True, env=environment()
-    )
+    arguments = ["batch", tmp_path / "in", "-o", tmp_path / "out", "-k", 4, "--workers", 1]
+    done = run_shell(f'"$@" {stream}', *arguments)
     assert done.returncode == 1
     assert "3 of 6 meshes done" in done.stdout
     assert [row["status"] for row in rows(tmp_path / "out")] == ["failed"] * 3 + ["done"] * 3

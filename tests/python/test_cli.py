@@ -16,7 +16,7 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLE_FOLDER, load_arrays
-from processes import environment, run_program, run_python
+from processes import environment, run_program, run_python, run_shell
 from terminal import read_terminal
 
 import spheroseg
@@ -738,17 +738,6 @@ def test_the_program_itself_ends_with_exit_code_2_and_no_traceback(arguments):
     assert "Traceback" not in done.stderr
 
 
-def run_shell(line, *arguments):
-    """Runs a line of the shell in which "$@" is the program with its arguments."""
-    program = [sys.executable, "-m", "spheroseg", *map(str, arguments)]
-    return subprocess.run(
-        ["bash", "-c", line, "bash", *program],
-        capture_output=True,
-        text=True,
-        env=environment(PYTHONUNBUFFERED=""),
-    )
-
-
 @pytest.mark.parametrize("closed", ["2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
 def test_closed_streams_do_no_harm(tmp_path, closed):
     out = tmp_path / "o.ply"
@@ -768,7 +757,7 @@ def test_output_that_can_not_be_written_is_one_line(arguments):
 
 @pytest.mark.parametrize("stream", ["2>/dev/full", "2> >(true)"])
 def test_errors_that_can_not_be_said_have_their_exit_code(stream):
-    done = run_shell(f'sleep 0.2; exec "$@" {stream}', "segment", "no such file.obj", "-k", 2)
+    done = run_shell(f'"$@" {stream}', "segment", "no such file.obj", "-k", 2)
     assert done.returncode == 2
 
 

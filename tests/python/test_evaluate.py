@@ -577,6 +577,16 @@ def test_one_mesh_that_can_not_be_read_is_one_line(names, tmp_path, capsys):
     assert not files_below(tmp_path / "out")
 
 
+def test_a_mesh_whose_name_has_two_lines_fails_in_one(tmp_path, capsys):
+    mesh = tmp_path / "two\nlines.obj"
+    mesh.write_text("no mesh")
+    assert main(["evaluate", str(mesh), "-o", str(tmp_path / "out"), "-k", "2"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert said.startswith(f"spheroseg evaluate: {tmp_path}/two lines.obj: ")
+    assert said.count("lines.obj") == 1
+
+
 def test_report_lists_the_meshes_that_failed_with_the_reason(tmp_path):
     write_inputs(tmp_path / "in")
     (tmp_path / "in" / "<b>.ply").write_text("no mesh")

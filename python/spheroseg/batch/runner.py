@@ -34,7 +34,7 @@ from spheroseg.batch.jobs import (
     signal_running,
     undone_record,
 )
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, one_line
 from spheroseg.file_checks import check_name
 from spheroseg.lock import locked
 
@@ -265,7 +265,7 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
                 if error is None:
                     yield results.checked(job, record)
                 else:
-                    message = " ".join(f"{type(error).__name__}: {error}".split())
+                    message = one_line(f"{type(error).__name__}: {error}")
                     yield failed_record(job, message)
         finally:
             client.cancel(list(submitted))

@@ -26,7 +26,7 @@ from spheroseg.batch.jobs import (
     store,
     versions,
 )
-from spheroseg.errors import InputError, PluginError
+from spheroseg.errors import InputError, PluginError, one_line
 from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
@@ -47,7 +47,7 @@ def main() -> int:
         return DISK_FULL_EXIT
     except (InputError, PluginError, ImportError, OSError, MemoryError) as error:
         message = str(error).removeprefix(f"{job.mesh}: ")
-        print(" ".join(message.split()) or type(error).__name__, file=sys.stderr)
+        print(one_line(message) or type(error).__name__, file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)

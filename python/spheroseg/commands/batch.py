@@ -20,11 +20,18 @@ from spheroseg.file_checks import check_is_file
 from spheroseg.packages import require_all
 from spheroseg.progress import MeshProgress
 
-# Of the filter; given here so that the manifest tells of them.
-_DEFAULTS = {"method": "fast", "effort": "standard", "seed": 0, "balance": "triangle_count"}
-# 0 stands for what the filter does without them.
-_NONE_BY_ZERO = ("max_cohesion_iterations", "max_refinement_iterations", "time_limit_seconds")
-_COUNTS = ("submesh_count", "triangles_per_submesh")
+# Of the filter; given here so that the manifest tells of them, and so that to give them changes
+# nothing.
+_DEFAULTS = {
+    "method": "fast",
+    "effort": "standard",
+    "device": "auto",
+    "seed": 0,
+    "balance": "triangle_count",
+    "max_cohesion_iterations": 0,
+    "max_refinement_iterations": 0,
+    "time_limit_seconds": 0.0,
+}
 
 
 def add_arguments(parser):
@@ -70,7 +77,7 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
 
             def done(record: dict) -> None:
                 if record["status"] == "failed":
-                    progress.say_failed(" ".join(f"{record['mesh']}: {record['error']}".split()))
+                    progress.say_failed(f"{record['mesh']}: {record['error']}")
                 progress.advance()
 
             records = runner.run_all(
@@ -103,11 +110,8 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
 def _jobs(arguments) -> tuple[list[Job], int]:
     """The jobs, and how many of them run at a time on this machine."""
     options = _DEFAULTS | api.segment_parameters(segment_options(arguments))
-    _check_options(options, *_COUNTS, *(["device"] if arguments.scheduler else []))
+    _check_options(options, on_cluster=bool(arguments.scheduler))
     threads = options.pop("thread_count", None)
-    options = {
-        name: value for name, value in options.items() if value != 0 or name not in _NONE_BY_ZERO
-    }
     asked = [f".{name}" for name in _formats(arguments)]
     for name in asked:
         if name not in FORMATS:
@@ -141,11 +145,12 @@ def _formats(arguments) -> list[str]:
     return [name.strip() for name in arguments.formats.split(",")]
 
 
-def _check_options(options: dict, *left_out: str) -> None:
+def _check_options(options: dict, on_cluster: bool) -> None:
     """What is wrong, or missing, for every mesh is said once, before the first."""
     count = options.get("submesh_count", 1)
     if count < 1:
         raise InputError(f"submesh_count must be 1 or more, found {count}")
+    left_out = {"submesh_count", "triangles_per_submesh"} | ({"device"} if on_cluster else set())
     others = {name: value for name, value in options.items() if name not in left_out}
     api.segment(*api.TETRAHEDRON, 1, **others)
 

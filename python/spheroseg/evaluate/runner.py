@@ -11,6 +11,7 @@ from pathlib import Path
 from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
 from spheroseg.batch.jobs import shown
+from spheroseg.errors import one_line
 from spheroseg.evaluate.folder import DOCUMENT, TABLE
 from spheroseg.evaluate.folder import files_of as report_files
 from spheroseg.evaluate.summary import summary
@@ -73,7 +74,7 @@ def _evaluate_one(source: Source, plan: Plan, folder: Path) -> tuple[list[dict],
             known |= {"triangle_count": result["triangle_count"], **task, "seed": plan.seed}
             rows.append(known | result)
     except workers.WorkerError as error:
-        return rows, str(error).removeprefix(f"{shown(source.mesh)}: ")
+        return rows, str(error).removeprefix(f"{one_line(shown(source.mesh))}: ")
     return rows, None
 
 
