@@ -50,7 +50,9 @@ public:
 private:
     /// True when all loads came to at most so much above the mean.
     bool reach(double above_mean, int step) {
-        const int limit = static_cast<int>(mean_ * (1.0 + above_mean));
+        // What was reached is not given up again, where it matters.
+        const int limit = std::min(static_cast<int>(mean_ * (1.0 + above_mean)),
+                                   std::max(heaviest_load(best_), near_enough(best_)));
         const double begin = step / (kStepCount + 1.0);
         const Progress lowering = sub_progress(control_.progress, begin, begin);
         patchwork_ = best_;
