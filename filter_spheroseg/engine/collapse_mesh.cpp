@@ -60,8 +60,12 @@ bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int deg
 
 /// Position in the ring of the allowed target of least degree, then least weight; or -1. A vertex
 /// on a border goes along a border only, and faces of the mesh take the place of those that vanish.
-int choose_target(
-    const CollapseMesh& mesh, const int* ring, const int* faces, int degree, bool may_close_holes) {
+int choose_target(const CollapseMesh& mesh,
+                  int v,
+                  const int* ring,
+                  const int* faces,
+                  int degree,
+                  bool may_close_holes) {
     const auto is_cap = [&](int i) { return faces[(i + degree) % degree] >= mesh.first_cap_face; };
     const bool on_border =
         std::any_of(faces, faces + degree, [&](int f) { return f >= mesh.first_cap_face; });
@@ -72,6 +76,19 @@ int choose_target(
     const auto keeps_border = [&](int t) {
         return !on_border ||
             ((is_cap(t) || is_cap(t - 1)) && can_vanish(t, t + 1) && can_vanish(t - 1, t - 2));
+    };
+    // Where a subdivision is undone a new vertex must not be left with one face of an old triangle,
+    // beside its edge: when the vertex went, a face of another triangle would take the place of
+    // that one.
+    const auto lies_between = [&](int middle, int a, int b) {
+        return mesh.ends[middle] == std::array<int, 2>{a, b} ||
+            mesh.ends[middle] == std::array<int, 2>{b, a};
+    };
+    const auto keeps_triangles = [&](int t) {
+        const auto at = [&](int i) { return ring[(t + i + degree) % degree]; };
+        return mesh.ends.empty() ||
+            !(lies_between(at(1), at(0), at(2)) || lies_between(at(2), at(0), at(1)) ||
+              lies_between(at(-1), at(0), at(-2)) || lies_between(at(-2), at(0), at(-1)));
     };
     // By degree, weight, number.
     using Rank = std::pair<std::int64_t, int>;
@@ -87,8 +104,8 @@ int choose_target(
                 best_rank = rank;
             }
         }
-        if (!mesh.is_fixed[ring[best]] && ring[best] < mesh.first_cap_vertex &&
-            keeps_border(best) && satisfies_link_condition(mesh, ring, degree, best)) {
+        if (mesh.may_take(ring[best], v) && keeps_border(best) && keeps_triangles(best) &&
+            satisfies_link_condition(mesh, ring, degree, best)) {
             return best;
         }
         last = best_rank;
@@ -108,7 +125,7 @@ void plan_star(CollapseMesh& mesh, CollapseRound& round, bool may_close_holes, i
         ++degree;
         return true;
     });
-    const int t = choose_target(mesh, ring, faces, degree, may_close_holes);
+    const int t = choose_target(mesh, v, ring, faces, degree, may_close_holes);
     if (t < 0) {
         round.target[i] = -1;
         return;

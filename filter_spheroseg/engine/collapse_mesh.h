@@ -33,6 +33,9 @@ struct CollapseMesh {
     /// Vertices without one closed fan of at least three faces that are oriented alike: never
     /// removed, never a target.
     std::vector<char> is_fixed;
+    /// Where a subdivision is undone: the only targets of a vertex, in the layout of
+    /// find_subdivision; else empty, as `keep` needs it.
+    std::vector<std::array<int, 2>> ends;
     /// The first vertex and the first face of caps.
     int first_cap_vertex;
     int first_cap_face;
@@ -55,9 +58,16 @@ struct CollapseMesh {
         return spheroseg::corner_of(faces[face].vertices, vertex);
     }
 
+    /// May the vertex be a target of `v`?
+    bool may_take(int target, int v) const {
+        return !is_fixed[target] && target < first_cap_vertex &&
+            (ends.empty() || target == ends[v][0] || target == ends[v][1]);
+    }
+
     /// May the vertex be removed? One in the middle of a cap only leaves a triangle.
     bool is_removable(int v) const {
-        return !is_fixed[v] && (v < first_cap_vertex || vertices[v].degree == 3);
+        return !is_fixed[v] && (v < first_cap_vertex || vertices[v].degree == 3) &&
+            (ends.empty() || ends[v][0] >= 0);
     }
 
     /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) of the
@@ -90,8 +100,9 @@ struct CollapseRound {
 /// Fills `round` for the vertices in round.vertex, no two of which are neighbours: their stars and
 /// targets. The target is the ring vertex of least degree that satisfies the link condition; for a
 /// vertex on a border it is the next one along that. Where that is a border of three edges the
-/// hole closes, if it may. Of two collapses that would make the same edge, the one of higher
-/// `keys[vertex]` gets no target.
+/// hole closes, if it may. Where a subdivision is undone it is one of the vertex's ends, such that
+/// only faces of one old triangle take the place of each other. Of two collapses that would make
+/// the same edge, the one of higher `keys[vertex]` gets no target.
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,

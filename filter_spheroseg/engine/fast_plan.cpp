@@ -17,6 +17,8 @@ constexpr int kCoarseFacesPerSubmesh = 60;
 /// fits in between.
 constexpr int kMinCoarseFaces = 240;
 constexpr std::int64_t kFacesPerCoarsest = 2;
+/// Fewer do, per sub-mesh, where a subdivision is undone.
+constexpr int kQuarteredFacesPerSubmesh = 24;
 /// Faces from which on a sub-mesh is not small.
 constexpr int kSmallSubmesh = 86;
 /// On a first level that has fewer than one of so many faces there is time for more relaxations, up
@@ -63,6 +65,9 @@ bool FastPlan::are_single_or_pairs() const {
 }
 
 int FastPlan::coarse_face_count() const {
+    if (quartered_face_count_ > 0) {
+        return quartered_face_count_;
+    }
     return static_cast<int>(std::min<std::int64_t>(
         face_count_,
         std::max<std::int64_t>({kMinCoarseFaces,
@@ -76,6 +81,11 @@ bool FastPlan::coarsens() const {
 
 void FastPlan::set_levels(const Multilevel& multilevel) {
     coarsest_face_count_ = multilevel.level_count() > 1 ? multilevel.cell_count(1) : 0;
+    const int quartered = multilevel.quartered_cell_count(
+        std::max(kMinCoarseFaces, kQuarteredFacesPerSubmesh * submesh_count_));
+    if (quartered < multilevel.cell_count(coarse_face_count())) {
+        quartered_face_count_ = quartered;
+    }
     const int cell_count = multilevel.cell_count(coarse_face_count());
     first_face_count_ =
         std::max(coarse_face_count(), static_cast<int>(MeshLevels::kLeastShare * cell_count));

@@ -80,6 +80,8 @@ private:
     int start_count_;
     /// 0 where there is only one level.
     int coarsest_face_count_ = 0;
+    /// The faces of a level that undone subdivisions leave, where the start is on one; else 0.
+    int quartered_face_count_ = 0;
     /// The least cells that the first level may have. As `coarse_face_count`; more where there is
     /// no level so coarse.
     int first_face_count_;

@@ -2,6 +2,7 @@
 #include "hierarchy.h"
 
 #include "collapse_mesh.h"
+#include "subdivision.h"
 #include "threads.h"
 
 #include <algorithm>
@@ -49,9 +50,10 @@ class Builder {
 public:
     Builder(const TriangleMesh& mesh, const DualGraph& dual_graph, int thread_count)
         : threads_(thread_count), mesh_(mesh, dual_graph, thread_count),
-          face_count_(mesh.face_count()), keys_(mesh_.vertices.size()),
-          is_selected_(mesh_.vertices.size(), 0), is_loser_(mesh_.vertices.size(), 0),
-          stuck_at_(mesh_.vertices.size(), -1), live_faces_(mesh_.faces.size()) {
+          face_count_(mesh.face_count()), all_faces_(static_cast<double>(mesh_.faces.size())),
+          keys_(mesh_.vertices.size()), is_selected_(mesh_.vertices.size(), 0),
+          is_loser_(mesh_.vertices.size(), 0), stuck_at_(mesh_.vertices.size(), -1),
+          live_faces_(mesh_.faces.size()) {
         std::iota(live_faces_.begin(), live_faces_.end(), 0);
         for (int v = 0; v < static_cast<int>(mesh_.vertices.size()); ++v) {
             if (mesh_.vertices[v].degree > 0) {
@@ -65,6 +67,10 @@ public:
     CollapseHierarchy build(const Progress& progress);
 
 private:
+    bool undo_subdivision(const Progress& progress);
+    void spread_weight();
+    void report(const Progress& progress) const;
+    int do_round(bool may_close_holes);
     bool rank_vertices(const Limits& limits);
     void mark_losers();
     void select_winners();
@@ -82,6 +88,7 @@ private:
     int threads_;
     CollapseMesh mesh_;
     int face_count_;
+    double all_faces_;
     std::vector<int> alive_;
     /// Rank of a vertex in the running round: weight of its star, then a hash; or closed.
     std::vector<std::uint64_t> keys_;
@@ -248,28 +255,84 @@ void Builder::collect_base() {
     }
 }
 
+void Builder::report(const Progress& progress) const {
+    report_progress(progress,
+                    1.0 - static_cast<double>(live_faces_.size()) / all_faces_,
+                    "Simplifying the mesh");
+}
+
+/// Removes an independent set of ranked vertices; returns how many.
+int Builder::do_round(bool may_close_holes) {
+    select_vertices();
+    plan_collapses(mesh_, round_, keys_, may_close_holes, threads_);
+    apply_collapses(mesh_, round_, threads_);
+    const int removed = append_round();
+    drop_removed();
+    for (int i = 0; i < round_.size() && (removed == 0 || !mesh_.ends.empty()); ++i) {
+        if (round_.target[i] < 0) {
+            stuck_at_[round_.vertex[i]] = result_.round_count();
+        }
+    }
+    return removed;
+}
+
+/// Removes the vertices that a subdivision has put on edges. False where there is none, or not all
+/// of them could be removed.
+bool Builder::undo_subdivision(const Progress& progress) {
+    close_ranks();
+    mesh_.ends = find_subdivision(mesh_, live_faces_, alive_);
+    if (mesh_.ends.empty()) {
+        return false;
+    }
+    Limits any;
+    any.max_degree = std::numeric_limits<int>::max();
+    any.max_weight_ratio = std::numeric_limits<double>::max();
+    do {
+        report(progress);
+        rank_vertices(any);
+        do_round(false);
+    } while (round_.size() > 0);
+    const bool all_removed =
+        std::none_of(alive_.begin(), alive_.end(), [&](int v) { return mesh_.ends[v][0] >= 0; });
+    mesh_.ends.clear();
+    if (all_removed) {
+        spread_weight();
+        result_.quartered_rounds.push_back(result_.round_count());
+    }
+    return all_removed;
+}
+
+/// Where each face stands for as many of the input.
+void Builder::spread_weight() {
+    for (int v : alive_) {
+        mesh_.vertices[v].weight = 0;
+    }
+    const auto is_cap = [&](int f) { return f >= mesh_.first_cap_face; };
+    const auto count =
+        live_faces_.size() - std::count_if(live_faces_.begin(), live_faces_.end(), is_cap);
+    const int weight = face_count_ / static_cast<int>(count);
+    for (int f : live_faces_) {
+        mesh_.faces[f].weight = is_cap(f) ? 0 : weight;
+        for (int v : mesh_.faces[f].vertices) {
+            mesh_.vertices[v].weight += mesh_.faces[f].weight;
+        }
+    }
+}
+
 CollapseHierarchy Builder::build(const Progress& progress) {
     const Limits strict;
     Limits limits;
-    const auto all_faces = static_cast<double>(live_faces_.size());
+    while (undo_subdivision(progress)) {
+    }
     while (live_faces_.size() > 4) {
-        report_progress(progress,
-                        1.0 - static_cast<double>(live_faces_.size()) / all_faces,
-                        "Simplifying the mesh");
+        report(progress);
         close_ranks();
         limits.may_close_holes = limits.may_close_holes || has_many_holes();
         const bool complete = rank_vertices(limits);
-        select_vertices();
-        plan_collapses(mesh_, round_, keys_, limits.may_close_holes, threads_);
-        apply_collapses(mesh_, round_, threads_);
         const int vertex_count = static_cast<int>(alive_.size());
-        const int removed = append_round();
-        drop_removed();
+        const int removed = do_round(limits.may_close_holes);
         if (round_.vertex.empty() && complete && limits.may_close_holes) {
             break;
-        }
-        for (int i = 0; i < round_.size() && removed == 0; ++i) {
-            stuck_at_[round_.vertex[i]] = result_.round_count();
         }
         if (removed < vertex_count / 10 || removed == 0) {
             limits.loosen();

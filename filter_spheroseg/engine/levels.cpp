@@ -108,6 +108,7 @@ public:
         result.face_at = in_faces(orders.front());
         const std::vector<int> rounds = choose_rounds();
         result.levels.resize(rounds.size());
+        result.quartered_count = static_cast<int>(hierarchy_.quartered_rounds.size());
         for (std::size_t l = 1; l < rounds.size(); ++l) {
             std::vector<int>& begin = result.levels[l].begin;
             orders.push_back(
@@ -220,11 +221,13 @@ private:
         return faces;
     }
 
-    /// From 0 on, each the last one at which the mesh has at least kLeastShare of the cells that it
-    /// has at the one before.
+    /// From 0 on, those at which subdivisions are undone; then each the last one at which the mesh
+    /// has at least kLeastShare of the cells that it has at the one before.
     std::vector<int> choose_rounds() const {
         std::vector<int> rounds(1, 0);
-        for (int r = 1; r <= hierarchy_.round_count(); ++r) {
+        rounds.insert(
+            rounds.end(), hierarchy_.quartered_rounds.begin(), hierarchy_.quartered_rounds.end());
+        for (int r = rounds.back() + 1; r <= hierarchy_.round_count(); ++r) {
             const bool is_next = r == hierarchy_.round_count() ||
                 cell_count(r + 1) < MeshLevels::kLeastShare * cell_count(rounds.back());
             if (is_next) {

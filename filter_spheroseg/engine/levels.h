@@ -29,13 +29,16 @@ struct Level {
 /// stands for follow one another, in the order of the cells there.
 struct MeshLevels {
     /// Each level has at least this share of the cells of the next finer one, and few more, as far
-    /// as single rounds of the hierarchy allow; the coarsest one may have nearly as many.
+    /// as single rounds of the hierarchy allow; the coarsest one may have nearly as many. But where
+    /// a subdivision is undone it has a quarter.
     static constexpr double kLeastShare = 0.4;
 
     /// The face of the mesh that each cell of the finest level is.
     std::vector<int> face_at;
     /// The finest one first.
     std::vector<Level> levels;
+    /// How many of these, after the finest one, are what undone subdivisions leave.
+    int quartered_count = 0;
 };
 
 /// Undoes the collapses of a hierarchy of a mesh with `face_count` faces, and keeps some of the

@@ -38,6 +38,15 @@ const Level& Multilevel::level_with(int min_face_count) const {
     return *level;
 }
 
+int Multilevel::quartered_cell_count(int min_face_count) const {
+    int count = face_count();
+    for (int l = 1; l <= levels_->quartered_count; ++l) {
+        const int coarser = levels_->levels[l].cell_count();
+        count = coarser >= min_face_count ? coarser : count;
+    }
+    return count;
+}
+
 Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_count) const {
     const Level& level = level_with(min_face_count);
     Patchwork patchwork;

@@ -28,6 +28,10 @@ public:
     /// The cells of that level.
     int cell_count(int min_face_count) const { return level_with(min_face_count).cell_count(); }
 
+    /// The same among the finest level and those that undone subdivisions leave, where edges stand
+    /// for as many fine ones each.
+    int quartered_cell_count(int min_face_count) const;
+
     /// Turns a patchwork into that of the next finer level, if there is one. Cells get the labels
     /// of those that stood for them, so that loads stay the same, and every sub-mesh stays
     /// connected and free of bowties; unless holes open that were closed, then it returns true.

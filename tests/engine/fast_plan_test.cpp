@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fast_plan.h"
 
+#include "patchwork_meshes.h"
+
 #include <gtest/gtest.h>
 
 namespace spheroseg {
@@ -51,6 +53,24 @@ TEST(FastPlan, TinyMeshesGetFewTrials) {
     EXPECT_EQ(trials(100000, 4), 12);
     EXPECT_EQ(trials(100000, 20), 5);
     EXPECT_EQ(trials(100000, 200), 1);
+}
+
+TEST(FastPlan, StartsOnFewerCellsWhereASubdivisionIsUndone) {
+    const auto first_cells = [](const test::Levels& levels, int submesh_count) {
+        FastPlan plan(
+            levels.mesh.face_count(), submesh_count, !kByWeight, kHasSphere, Effort::standard, 1);
+        EXPECT_TRUE(plan.coarsens());
+        plan.set_levels(levels.multilevel);
+        return levels.multilevel.cell_count(plan.coarse_face_count());
+    };
+    const test::Levels subdivided(test::icosphere(5));
+    EXPECT_EQ(first_cells(subdivided, 5), 320);
+    EXPECT_EQ(first_cells(subdivided, 50), 1280);
+    EXPECT_EQ(first_cells(subdivided, 54), 5120);
+    EXPECT_EQ(first_cells(subdivided, 130), 5120);
+    const test::Levels other(test::flipped_sphere(5, 1));
+    EXPECT_GE(first_cells(other, 50), 60 * 50);
+    EXPECT_GE(first_cells(other, 130), 60 * 130);
 }
 
 } // namespace

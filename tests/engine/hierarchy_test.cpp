@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace spheroseg {
@@ -148,8 +149,11 @@ INSTANTIATE_TEST_SUITE_P(GenusZero,
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
-    for (const TriangleMesh& mesh : {test::icosphere(5), test::limbed_figure(5)}) {
+    // A flipped edge, so that it is no subdivision.
+    for (const TriangleMesh& mesh :
+         {test::flipped_sphere(5, 1), test::icosahedron(), test::torus(90, 31)}) {
         const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        ASSERT_TRUE(hierarchy.quartered_rounds.empty());
         int left = mesh.vertex_count();
         for (int r = 0; r < hierarchy.round_count() && left > 100; ++r) {
             const int removed = hierarchy.round_begin[r + 1] - hierarchy.round_begin[r];
@@ -165,6 +169,162 @@ TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
 void expect_faces(const test::Replay& undone, const TriangleMesh& mesh) {
     for (int f = 0; f < mesh.face_count(); ++f) {
         EXPECT_EQ(test::Replay::rotated(undone.faces()[f]), test::Replay::rotated(mesh.faces[f]));
+    }
+}
+
+/// The mesh with its vertices, its faces and their corners in another order; `face_at[i]` is the
+/// face that became face i.
+TriangleMesh
+shuffled(const TriangleMesh& mesh, std::vector<int>& face_at, std::vector<int>& new_vertex) {
+    Random random(5);
+    const auto permutation = [&](int count) {
+        std::vector<int> order(count);
+        std::iota(order.begin(), order.end(), 0);
+        for (int i = count - 1; i > 0; --i) {
+            std::swap(order[i], order[random.below(i + 1)]);
+        }
+        return order;
+    };
+    new_vertex = permutation(mesh.vertex_count());
+    face_at = permutation(mesh.face_count());
+    TriangleMesh result{mesh.positions, {}};
+    for (int f : face_at) {
+        Triangle t = mesh.faces[f];
+        std::rotate(t.begin(), t.begin() + random.below(3), t.end());
+        result.faces.push_back({new_vertex[t[0]], new_vertex[t[1]], new_vertex[t[2]]});
+    }
+    return result;
+}
+
+std::set<Triangle> set_of_faces(const TriangleMesh& mesh) {
+    std::set<Triangle> faces;
+    for (const Triangle& t : mesh.faces) {
+        faces.insert(test::Replay::rotated(t));
+    }
+    return faces;
+}
+
+/// Of each face, once the collapses from round `round` on are undone, the input faces that it
+/// stands for: those whose place others took, one after the other.
+std::map<int, std::set<int>>
+clusters_at(const CollapseHierarchy& hierarchy, int face_count, int round) {
+    std::vector<int> heir(face_count);
+    std::iota(heir.begin(), heir.end(), 0);
+    for (int i = hierarchy.round_begin[round] - 1; i >= 0; --i) {
+        const int* const begin = &hierarchy.star_faces[hierarchy.star_begin[i]];
+        const int* const end = &hierarchy.star_faces[0] + hierarchy.star_begin[i + 1];
+        if (begin[0] < face_count) {
+            heir[begin[0]] = heir[begin[1]];
+        }
+        if (end[-1] < face_count) {
+            heir[end[-1]] = heir[end[-2]];
+        }
+    }
+    std::map<int, std::set<int>> clusters;
+    for (int f = 0; f < face_count; ++f) {
+        clusters[heir[f]].insert(f);
+    }
+    return clusters;
+}
+
+TEST(Hierarchy, UndoesSubdivisions) {
+    // None of them is a subdivision itself.
+    for (const TriangleMesh& base : {test::flipped_sphere(3, 1000),
+                                     test::slivers(40),
+                                     test::limbed_figure(0),
+                                     test::bipyramid(9),
+                                     test::open_grid(7),
+                                     test::grid_with_holes(9),
+                                     test::pinholed(test::flipped_sphere(3, 500), 30),
+                                     test::sieve(test::flipped_sphere(3, 500), 0.05, 1)}) {
+        EXPECT_TRUE(hierarchy_of(base).quartered_rounds.empty());
+        const TriangleMesh once = test::subdivide(base);
+        std::vector<int> face_at;
+        std::vector<int> new_vertex;
+        const TriangleMesh mesh = shuffled(test::subdivide(once), face_at, new_vertex);
+        const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        ASSERT_EQ(hierarchy.quartered_rounds.size(), 2u);
+
+        test::Replay replay(hierarchy, mesh.face_count());
+        int step = hierarchy.step_count();
+        for (int undone : {1, 0}) {
+            // Descendants of a face follow one another.
+            const int size = undone == 1 ? 16 : 4;
+            const int round = hierarchy.quartered_rounds[undone];
+            while (step > hierarchy.round_begin[round]) {
+                ASSERT_NO_FATAL_FAILURE(replay.undo(--step));
+            }
+            TriangleMesh expected = undone == 1 ? base : once;
+            for (Triangle& t : expected.faces) {
+                t = {new_vertex[t[0]], new_vertex[t[1]], new_vertex[t[2]]};
+            }
+            EXPECT_EQ(set_of_faces(replay.living_mesh(mesh.vertex_count())),
+                      set_of_faces(expected));
+            const auto clusters = clusters_at(hierarchy, mesh.face_count(), round);
+            EXPECT_EQ(static_cast<int>(clusters.size()), expected.face_count());
+            for (const auto& [face, cluster] : clusters) {
+                EXPECT_EQ(static_cast<int>(cluster.size()), size);
+                for (int f : cluster) {
+                    EXPECT_EQ(face_at[f] / size, face_at[face] / size);
+                }
+            }
+        }
+        while (step > 0) {
+            ASSERT_NO_FATAL_FAILURE(replay.undo(--step));
+        }
+        expect_faces(replay, mesh);
+    }
+}
+
+TEST(Hierarchy, UndoesASubdivisionThatCanBeOneInSeveralWays) {
+    // No vertex tells which ones are new.
+    const TriangleMesh mesh = test::torus(44, 28);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    ASSERT_EQ(hierarchy.quartered_rounds.size(), 2u);
+    const auto clusters = clusters_at(hierarchy, mesh.face_count(), hierarchy.quartered_rounds[1]);
+    EXPECT_EQ(clusters.size(), mesh.faces.size() / 16);
+    for (const auto& [face, cluster] : clusters) {
+        EXPECT_EQ(cluster.size(), 16u);
+    }
+}
+
+TEST(Hierarchy, ASubdivisionIsNotWhatIsNearlyOne) {
+    const TriangleMesh whole = test::subdivide(test::flipped_sphere(2, 200));
+    ASSERT_EQ(hierarchy_of(whole).quartered_rounds.size(), 1u);
+    // A face missing; as many faces as some subdivision has.
+    for (int f = 0; f < 8; ++f) {
+        TriangleMesh mesh = whole;
+        mesh.faces.erase(mesh.faces.begin() + f);
+        EXPECT_TRUE(hierarchy_of(mesh).quartered_rounds.empty());
+        mesh.faces.push_back({mesh.faces[9][0], mesh.faces[9][1], mesh.vertex_count()});
+        mesh.faces.push_back({mesh.faces[9][1], mesh.faces[9][2], mesh.vertex_count()});
+        mesh.faces[9] = {mesh.faces[9][2], mesh.faces[9][0], mesh.vertex_count()};
+        mesh.positions.push_back({0, 0, 0});
+        mesh.faces.erase(mesh.faces.begin() + 100);
+        EXPECT_EQ(mesh.face_count() % 4, 0);
+        EXPECT_TRUE(hierarchy_of(mesh).quartered_rounds.empty());
+    }
+    const TriangleMesh sphere = test::icosphere(3);
+    for (std::uint64_t seed = 1; seed < 20; ++seed) {
+        EXPECT_TRUE(hierarchy_of(test::flipped_sphere(3, 1, seed)).quartered_rounds.empty());
+    }
+    EXPECT_EQ(hierarchy_of(sphere).quartered_rounds.size(), 3u);
+    TriangleMesh two = sphere;
+    test::append(two, sphere);
+    EXPECT_TRUE(hierarchy_of(two).quartered_rounds.empty()) << "of one component only";
+}
+
+TEST(Hierarchy, FixedVerticesEndASubdivision) {
+    // Along the seam of the strip faces are turned, so that its vertices stay.
+    for (const TriangleMesh& mesh :
+         {test::subdivide(test::moebius_strip(9, 3)), test::moebius_strip(12, 4)}) {
+        const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        EXPECT_TRUE(hierarchy.quartered_rounds.empty());
+        test::Replay replay(hierarchy, mesh.face_count());
+        for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+            ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+        }
+        expect_faces(replay, mesh);
     }
 }
 

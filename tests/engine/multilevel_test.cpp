@@ -46,6 +46,7 @@ int expect_sound_levels(const Levels& levels) {
 
 TEST(Multilevel, EveryLevelKeepsWeightsLoadsAndSoundness) {
     EXPECT_EQ(expect_sound_levels(Levels(displaced_sphere(4))), 0);
+    EXPECT_EQ(expect_sound_levels(Levels(flipped_sphere(4, 3000))), 0);
     EXPECT_EQ(expect_sound_levels(Levels(open_grid(40))), 0);
     EXPECT_EQ(expect_sound_levels(Levels(torus(60, 20))), 0);
     EXPECT_GT(expect_sound_levels(Levels(grid_with_holes(44))), 0);
@@ -187,6 +188,21 @@ TEST(Multilevel, WhatACellStandsForFollowsInTheOrderOfTheCells) {
         }
         EXPECT_EQ(next.face_count(), levels.mesh.face_count());
     }
+}
+
+TEST(Multilevel, UndoneSubdivisionsAreLevelsOfAQuarterEach) {
+    const auto counts = [](const TriangleMesh& mesh, std::vector<int> wanted) {
+        const Multilevel multilevel = Levels(mesh).multilevel;
+        for (int& count : wanted) {
+            count = multilevel.quartered_cell_count(count);
+        }
+        return wanted;
+    };
+    EXPECT_EQ(counts(icosphere(4), {6000, 5120, 1281, 1280, 321, 21, 20, 1}),
+              (std::vector<int>{5120, 5120, 5120, 1280, 1280, 80, 20, 20}));
+    EXPECT_EQ(counts(open_grid(20), {800, 201, 200, 51, 1}),
+              (std::vector<int>{800, 800, 200, 200, 50}));
+    EXPECT_EQ(counts(flipped_sphere(4, 1), {5120, 1280, 1}), (std::vector<int>(3, 5120)));
 }
 
 TEST(Multilevel, DoesNotDependOnThreads) {

@@ -61,7 +61,7 @@ TEST(Recut, CarriesAFaceBackAcrossTheMesh) {
     std::int64_t cut_count = 0;
     int carried_count = 0;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        Patchwork patchwork = ragged_patchwork(levels, face_count / 16, 1);
+        Patchwork patchwork = ragged_patchwork(levels, face_count / 16, 2);
         ASSERT_TRUE(balance_exactly(patchwork));
         Random random(seed);
         int at = 0;
