@@ -3,6 +3,8 @@
 
 #include "dual_graph.h"
 
+#include <limits>
+
 namespace spheroseg {
 
 /// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy. Holes are
@@ -34,8 +36,9 @@ struct CollapseMesh {
     /// removed, never a target.
     std::vector<char> is_fixed;
     /// Where a subdivision is undone: the only targets of a vertex, in the layout of
-    /// find_subdivision; else empty, as `keep` needs it.
+    /// find_subdivision, and the most faces that they may have; else empty, as `keep` needs it.
     std::vector<std::array<int, 2>> ends;
+    int max_target_degree = std::numeric_limits<int>::max();
     /// The first vertex and the first face of caps.
     int first_cap_vertex;
     int first_cap_face;
@@ -61,7 +64,9 @@ struct CollapseMesh {
     /// May the vertex be a target of `v`?
     bool may_take(int target, int v) const {
         return !is_fixed[target] && target < first_cap_vertex &&
-            (ends.empty() || target == ends[v][0] || target == ends[v][1]);
+            (ends.empty() ||
+             ((target == ends[v][0] || target == ends[v][1]) &&
+              vertices[target].degree <= max_target_degree));
     }
 
     /// May the vertex be removed? One in the middle of a cap only leaves a triangle.

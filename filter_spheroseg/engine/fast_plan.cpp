@@ -11,14 +11,14 @@ namespace spheroseg {
 namespace {
 
 /// The start is made on a mesh with about so many faces per sub-mesh ...
-constexpr int kCoarseFacesPerSubmesh = 60;
+constexpr std::int64_t kCoarseFacesPerSubmesh = 60;
 /// ... and at least so many in all, and so many for each face of the coarsest level, if there is
 /// such a level. Where that has many faces, all of them are around handles, and hardly a sub-mesh
 /// fits in between.
 constexpr int kMinCoarseFaces = 240;
 constexpr std::int64_t kFacesPerCoarsest = 2;
-/// Fewer do, per sub-mesh, where a subdivision is undone.
-constexpr int kQuarteredFacesPerSubmesh = 24;
+/// Per sub-mesh fewer do where that level is what undone subdivisions leave.
+constexpr std::int64_t kQuarteredFacesPerSubmesh = 24;
 /// Faces from which on a sub-mesh is not small.
 constexpr int kSmallSubmesh = 86;
 /// On a first level that has fewer than one of so many faces there is time for more relaxations, up
@@ -65,14 +65,16 @@ bool FastPlan::are_single_or_pairs() const {
 }
 
 int FastPlan::coarse_face_count() const {
-    if (quartered_face_count_ > 0) {
-        return quartered_face_count_;
-    }
-    return static_cast<int>(std::min<std::int64_t>(
-        face_count_,
-        std::max<std::int64_t>({kMinCoarseFaces,
-                                kFacesPerCoarsest * coarsest_face_count_,
-                                std::int64_t{kCoarseFacesPerSubmesh} * submesh_count_})));
+    return quartered_face_count_ > 0 ? quartered_face_count_
+                                     : coarse_face_count(kCoarseFacesPerSubmesh);
+}
+
+int FastPlan::coarse_face_count(std::int64_t faces_per_submesh) const {
+    return static_cast<int>(
+        std::min<std::int64_t>(face_count_,
+                               std::max<std::int64_t>({kMinCoarseFaces,
+                                                       kFacesPerCoarsest * coarsest_face_count_,
+                                                       faces_per_submesh * submesh_count_})));
 }
 
 bool FastPlan::coarsens() const {
@@ -81,10 +83,13 @@ bool FastPlan::coarsens() const {
 
 void FastPlan::set_levels(const Multilevel& multilevel) {
     coarsest_face_count_ = multilevel.level_count() > 1 ? multilevel.cell_count(1) : 0;
-    const int quartered = multilevel.quartered_cell_count(
-        std::max(kMinCoarseFaces, kQuarteredFacesPerSubmesh * submesh_count_));
-    if (quartered < multilevel.cell_count(coarse_face_count())) {
-        quartered_face_count_ = quartered;
+    quartered_face_count_ = 0;
+    if (!by_weight_) {
+        const int quartered =
+            multilevel.quartered_cell_count(coarse_face_count(kQuarteredFacesPerSubmesh));
+        if (quartered < multilevel.cell_count(coarse_face_count())) {
+            quartered_face_count_ = quartered;
+        }
     }
     const int cell_count = multilevel.cell_count(coarse_face_count());
     first_face_count_ =

@@ -71,6 +71,8 @@ public:
     double cost_of_rounds() const;
 
 private:
+    int coarse_face_count(std::int64_t faces_per_submesh) const;
+
     int face_count_;
     int submesh_count_;
     bool by_weight_;

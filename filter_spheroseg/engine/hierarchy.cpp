@@ -20,6 +20,9 @@ constexpr int kItemsPerThread = 2048;
 constexpr int kSelectionPasses = 2;
 /// Faces that fit in a cache wherever they lie.
 constexpr std::size_t kLeastToMove = 8192;
+/// While subdivisions are undone, vertices of more faces are targets only for what is left then:
+/// for each collapse all faces of the target are looked at.
+constexpr int kMaxTargetDegree = 64;
 /// Holes may close where there are fewer faces for each face of a cap.
 constexpr int kFacesPerCapFace = 40;
 
@@ -268,7 +271,8 @@ int Builder::do_round(bool may_close_holes) {
     apply_collapses(mesh_, round_, threads_);
     const int removed = append_round();
     drop_removed();
-    for (int i = 0; i < round_.size() && (removed == 0 || !mesh_.ends.empty()); ++i) {
+    const bool step_aside = removed == 0 || !mesh_.ends.empty();
+    for (int i = 0; i < round_.size() && step_aside; ++i) {
         if (round_.target[i] < 0) {
             stuck_at_[round_.vertex[i]] = result_.round_count();
         }
@@ -277,7 +281,8 @@ int Builder::do_round(bool may_close_holes) {
 }
 
 /// Removes the vertices that a subdivision has put on edges. False where there is none, or not all
-/// of them could be removed.
+/// of them could be removed, because some are fixed or the mesh before was none: then the rounds
+/// count as any others.
 bool Builder::undo_subdivision(const Progress& progress) {
     close_ranks();
     mesh_.ends = find_subdivision(mesh_, live_faces_, alive_);
@@ -287,11 +292,17 @@ bool Builder::undo_subdivision(const Progress& progress) {
     Limits any;
     any.max_degree = std::numeric_limits<int>::max();
     any.max_weight_ratio = std::numeric_limits<double>::max();
-    do {
-        report(progress);
-        rank_vertices(any);
-        do_round(false);
-    } while (round_.size() > 0);
+    for (int max_degree : {kMaxTargetDegree, any.max_degree}) {
+        mesh_.max_target_degree = max_degree;
+        // A vertex without a target gets one once a neighbour is gone, so none is left out for
+        // ever.
+        do {
+            report(progress);
+            rank_vertices(any);
+            do_round(false);
+        } while (round_.size() > 0);
+        std::fill(stuck_at_.begin(), stuck_at_.end(), -1);
+    }
     const bool all_removed =
         std::none_of(alive_.begin(), alive_.end(), [&](int v) { return mesh_.ends[v][0] >= 0; });
     mesh_.ends.clear();

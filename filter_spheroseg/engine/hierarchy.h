@@ -26,8 +26,9 @@ struct CollapseHierarchy {
     std::vector<int> star_faces;
     /// Round r holds the steps [round_begin[r], round_begin[r + 1]).
     std::vector<int> round_begin;
-    /// The first rounds undo subdivisions, where the mesh comes from some (find_subdivision): after
-    /// so many each face stands for exactly four of those after the number before, or at first.
+    /// The numbers of rounds after which a subdivision is undone, where the mesh comes from some
+    /// (find_subdivision), increasing: each face stands for exactly four of those that there were
+    /// after the number before, or of the mesh.
     std::vector<int> quartered_rounds;
     /// The faces that are left after the last step, and their vertices.
     std::vector<int> base_faces;
@@ -40,8 +41,8 @@ struct CollapseHierarchy {
 /// Collapses a closed manifold genus-0 mesh to a tetrahedron (4 base faces) in O(F log F), in
 /// parallel. Vertices are removed where the fewest input faces gather, so that the coarse faces
 /// stand for about the same number of input faces each, and the degrees stay small; a round removes
-/// about a quarter of the vertices. Subdivisions of the whole mesh are undone first: so coarse
-/// edges of one length stand for fine ones of one length. Positions are not used.
+/// about a quarter of the vertices, some very few. Subdivisions of the whole mesh are undone first:
+/// so all coarse edges stand for as many fine ones. Positions are not used.
 /// On other meshes it ends where the link condition allows no more. Vertices on borders are removed
 /// along these; holes are closed once there are many of them for the faces that are left. What is
 /// left of a connected mesh stays connected. Vertices whose faces, with the caps, are not one

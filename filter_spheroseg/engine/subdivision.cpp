@@ -16,8 +16,9 @@ class Finder {
 public:
     explicit Finder(const CollapseMesh& mesh) : mesh_(mesh) {}
 
-    /// True where all faces have roles that fit each other when `seed` has this one.
-    bool assign_from(int seed, int role) {
+    /// True where all of the `face_count` faces have roles that fit each other when `seed` has this
+    /// one.
+    bool assign_from(int seed, int role, std::ptrdiff_t face_count) {
         role_.assign(mesh_.first_cap_face, unknown);
         faces_.assign(1, seed);
         role_[seed] = static_cast<std::int8_t>(role);
@@ -28,7 +29,7 @@ public:
                 }
             }
         }
-        return true;
+        return static_cast<std::ptrdiff_t>(faces_.size()) == face_count;
     }
 
     /// Empty where some vertex does not lie on one edge.
@@ -44,13 +45,13 @@ public:
             is_old[t[corner]] = 1;
             for (int v : {t[(corner + 1) % 3], t[(corner + 2) % 3]}) {
                 std::array<int, 2>& of_edge = ends[v];
-                const auto end = std::find_if(of_edge.begin(), of_edge.end(), [&](int end) {
-                    return end < 0 || end == t[corner];
+                const auto place = std::find_if(of_edge.begin(), of_edge.end(), [&](int old) {
+                    return old < 0 || old == t[corner];
                 });
-                if (end == of_edge.end()) {
+                if (place == of_edge.end()) {
                     return {};
                 }
-                *end = t[corner];
+                *place = t[corner];
             }
         }
         // A vertex of the old mesh has no ends; one on the border of a corner only has one.
@@ -126,13 +127,13 @@ std::vector<std::array<int, 2>> find_subdivision(const CollapseMesh& mesh,
             face = f;
             return f >= mesh.first_cap_face;
         });
-        return finder.assign_from(face, mesh.corner_of(face, *old))
+        return finder.assign_from(face, mesh.corner_of(face, *old), face_count)
             ? finder.ends(live_vertices)
             : std::vector<std::array<int, 2>>();
     }
     // All vertices are regular, as on some tori: the first face may be anything.
     for (int role = 0; role <= middle; ++role) {
-        if (finder.assign_from(live_faces.front(), role)) {
+        if (finder.assign_from(live_faces.front(), role, face_count)) {
             return finder.ends(live_vertices);
         }
     }

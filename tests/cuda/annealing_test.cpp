@@ -75,14 +75,14 @@ TEST(EmulatedAnnealing, LabelsAreThoseOfTheCoresForAnyThreadsOfABlock) {
         const Levels levels(mesh);
         // 80 sub-meshes are three groups and more.
         for (int k : {2, 80}) {
-            const Outcome expected = run_annealings(levels, k, 3, nullptr);
+            const Outcome expected = run_annealings(levels, k, 4, nullptr);
             for (unsigned int threads : {1, 5, 32}) {
                 SCOPED_TRACE(std::to_string(mesh.face_count()) + " faces, k = " +
                              std::to_string(k) + ", " + std::to_string(threads) + " threads");
                 EmulatedDevice::Log log;
                 {
                     cuda::DeviceAnnealing device(emulated_device(log, threads));
-                    expect_same(expected, run_annealings(levels, k, 3, &device));
+                    expect_same(expected, run_annealings(levels, k, 4, &device));
                     EXPECT_EQ(log.launches, 24);
                 }
                 EXPECT_EQ(log.bytes_held, 0U);

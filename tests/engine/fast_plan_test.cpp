@@ -56,21 +56,30 @@ TEST(FastPlan, TinyMeshesGetFewTrials) {
 }
 
 TEST(FastPlan, StartsOnFewerCellsWhereASubdivisionIsUndone) {
-    const auto first_cells = [](const test::Levels& levels, int submesh_count) {
+    const auto first_cells = [](const test::Levels& levels, int submesh_count, bool by_weight) {
         FastPlan plan(
-            levels.mesh.face_count(), submesh_count, !kByWeight, kHasSphere, Effort::standard, 1);
+            levels.mesh.face_count(), submesh_count, by_weight, kHasSphere, Effort::standard, 1);
         EXPECT_TRUE(plan.coarsens());
         plan.set_levels(levels.multilevel);
         return levels.multilevel.cell_count(plan.coarse_face_count());
     };
     const test::Levels subdivided(test::icosphere(5));
-    EXPECT_EQ(first_cells(subdivided, 5), 320);
-    EXPECT_EQ(first_cells(subdivided, 50), 1280);
-    EXPECT_EQ(first_cells(subdivided, 54), 5120);
-    EXPECT_EQ(first_cells(subdivided, 130), 5120);
+    EXPECT_EQ(first_cells(subdivided, 5, !kByWeight), 320);
+    EXPECT_EQ(first_cells(subdivided, 50, !kByWeight), 1280);
+    EXPECT_EQ(first_cells(subdivided, 54, !kByWeight), 5120);
+    EXPECT_EQ(first_cells(subdivided, 130, !kByWeight), 5120);
+    EXPECT_EQ(first_cells(subdivided, 54, kByWeight), 5120);
+    EXPECT_EQ(first_cells(subdivided, 130, kByWeight), 20480);
     const test::Levels other(test::flipped_sphere(5, 1));
-    EXPECT_GE(first_cells(other, 50), 60 * 50);
-    EXPECT_GE(first_cells(other, 130), 60 * 130);
+    EXPECT_GE(first_cells(other, 50, !kByWeight), 60 * 50);
+    EXPECT_GE(first_cells(other, 130, !kByWeight), 60 * 130);
+    // Not on one that has hardly more faces than the handles need.
+    TriangleMesh handles = test::lattice(5);
+    handles.faces = build_hierarchy(handles, build_dual_graph(handles)).base_triangles;
+    ASSERT_GT(handles.face_count(), 240);
+    const test::Levels around(test::subdivide(test::subdivide(handles)));
+    EXPECT_EQ(around.multilevel.quartered_cell_count(1), handles.face_count());
+    EXPECT_EQ(first_cells(around, 2, !kByWeight), 4 * handles.face_count());
 }
 
 } // namespace

@@ -233,6 +233,7 @@ TEST(Hierarchy, UndoesSubdivisions) {
                                      test::slivers(40),
                                      test::limbed_figure(0),
                                      test::bipyramid(9),
+                                     test::bipyramid(300),
                                      test::open_grid(7),
                                      test::grid_with_holes(9),
                                      test::pinholed(test::flipped_sphere(3, 500), 30),
@@ -312,6 +313,40 @@ TEST(Hierarchy, ASubdivisionIsNotWhatIsNearlyOne) {
     TriangleMesh two = sphere;
     test::append(two, sphere);
     EXPECT_TRUE(hierarchy_of(two).quartered_rounds.empty()) << "of one component only";
+}
+
+TEST(Hierarchy, MeshesThatTouchAtVerticesOnlyAreNoSubdivision) {
+    // Two squares that share a corner, each split.
+    TriangleMesh mesh = test::open_grid(2);
+    mesh.faces = {mesh.faces[0], mesh.faces[1], mesh.faces[6], mesh.faces[7]};
+    EXPECT_TRUE(hierarchy_of(test::subdivide(mesh)).quartered_rounds.empty());
+}
+
+TEST(Hierarchy, ASubdivisionOfWhatIsNoMeshEndsAtATetrahedronToo) {
+    // Vertices 0 and 1 are joined by two edges, on which 6 and 7 lie.
+    TriangleMesh mesh;
+    mesh.positions.resize(18);
+    const auto split = [&](const Triangle& t, int ab, int bc, int ca) {
+        mesh.faces.insert(mesh.faces.end(),
+                          {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+    };
+    split({0, 1, 2}, 6, 9, 8);
+    split({0, 2, 3}, 8, 12, 10);
+    split({2, 1, 3}, 9, 11, 12);
+    split({0, 3, 1}, 10, 11, 7);
+    split({1, 0, 4}, 6, 13, 14);
+    split({4, 0, 5}, 13, 15, 17);
+    split({1, 4, 5}, 14, 17, 16);
+    split({0, 1, 5}, 7, 16, 15);
+    expect_closed_surface(mesh);
+    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+    EXPECT_TRUE(hierarchy.quartered_rounds.empty());
+    EXPECT_EQ(hierarchy.base_faces.size(), 4u);
+    test::Replay replay(hierarchy, mesh.face_count());
+    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+        ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+    }
+    expect_faces(replay, mesh);
 }
 
 TEST(Hierarchy, FixedVerticesEndASubdivision) {
