@@ -22,7 +22,7 @@ public:
                   const AnnealSchedule& exchanges,
                   const AnnealControl& control)
         : patchwork_(patchwork), exchanges_(exchanges), control_(control),
-          mean_(mean_load(patchwork)), best_(patchwork) {
+          mean_(mean_load(patchwork)), best_(patchwork), least_(patchwork) {
         exchanges_.proposals_per_face /= kStepCount;
         exchanges_.phase_count = std::max(1, exchanges_.phase_count / kStepCount);
     }
@@ -40,9 +40,18 @@ public:
         for (int i = 0; i < kStepCount && missed < 0.0 && (i == 0 || !expired()); ++i) {
             note(kSteps[i], i);
         }
-        for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed && !expired(); ++i) {
-            const double middle = 0.5 * (reached + missed);
-            note(middle, kStepCount);
+        for (int i = 0; i < kHalvings && missed >= 0.0 && !expired(); ++i) {
+            reached = std::min(reached, heaviest_load(best_) / mean_ - 1.0);
+            if (reached <= missed) {
+                break;
+            }
+            note(0.5 * (reached + missed), kStepCount);
+        }
+        const int least = heaviest_load(least_);
+        if (least < heaviest_load(best_) && heaviest_load(best_) > near_enough(best_)) {
+            // Exchanges have raised the load again, up to a limit that was kept.
+            patchwork_ = least_;
+            exchange_below(least, kStepCount);
         }
         patchwork_ = best_;
     }
@@ -50,11 +59,8 @@ public:
 private:
     /// True when all loads came to at most so much above the mean.
     bool reach(double above_mean, int step) {
-        // What was reached is not given up again, where it matters.
-        const int limit = std::min(static_cast<int>(mean_ * (1.0 + above_mean)),
-                                   std::max(heaviest_load(best_), near_enough(best_)));
-        const double begin = step / (kStepCount + 1.0);
-        const Progress lowering = sub_progress(control_.progress, begin, begin);
+        const int limit = static_cast<int>(mean_ * (1.0 + above_mean));
+        const Progress lowering = sub_progress(control_.progress, begin_of(step), begin_of(step));
         patchwork_ = best_;
         bool below = lower_loads(patchwork_, limit, lowering);
         keep_best();
@@ -64,16 +70,23 @@ private:
             keep_best();
         }
         if (below && !expired()) {
-            AnnealControl control = control_;
-            control.progress =
-                sub_progress(control_.progress, begin, (step + 1) / (kStepCount + 1.0));
-            ++exchanges_.seed;
-            anneal_below(patchwork_, limit, exchanges_, control);
-            control_.max_phases = std::max(0, control_.max_phases - exchanges_.phase_count);
-            best_ = patchwork_;
+            exchange_below(limit, step);
         }
         return below;
     }
+
+    /// What comes of it is the best.
+    void exchange_below(int limit, int step) {
+        AnnealControl control = control_;
+        control.progress = sub_progress(control_.progress, begin_of(step), begin_of(step + 1));
+        ++exchanges_.seed;
+        anneal_below(patchwork_, limit, exchanges_, control);
+        control_.max_phases = std::max(0, control_.max_phases - exchanges_.phase_count);
+        best_ = patchwork_;
+    }
+
+    /// The part of the progress after which a step begins.
+    static double begin_of(int step) { return step / (kStepCount + 1.0); }
 
     /// Anneals with a pull towards the mean that is hundreds of boundary edges strong where a load
     /// is off by as much as the mean.
@@ -96,6 +109,9 @@ private:
         if (heaviest_load(patchwork_) < heaviest_load(best_)) {
             best_ = patchwork_;
         }
+        if (heaviest_load(patchwork_) < heaviest_load(least_)) {
+            least_ = patchwork_;
+        }
     }
 
     bool expired() const { return control_.deadline && control_.deadline->expired(); }
@@ -105,7 +121,9 @@ private:
     /// With the phases that are left of those allowed.
     AnnealControl control_;
     const double mean_;
+    /// What the next step begins with, and what has the least heaviest load so far.
     Patchwork best_;
+    Patchwork least_;
 };
 
 } // namespace
