@@ -58,6 +58,22 @@ bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int deg
     return satisfied;
 }
 
+/// Where a subdivision is undone: false when collapsing into ring[t] leaves a new vertex with one
+/// face of an old triangle, beside its edge. When that vertex went, a face of another triangle
+/// would take the place of this one.
+bool keeps_triangles(const CollapseMesh& mesh, const int* ring, int degree, int t) {
+    if (mesh.ends.empty()) {
+        return true;
+    }
+    const auto lies_between = [&](int middle, int a, int b) {
+        return mesh.ends[middle] == std::array<int, 2>{a, b} ||
+            mesh.ends[middle] == std::array<int, 2>{b, a};
+    };
+    const auto at = [&](int i) { return ring[(t + i + degree) % degree]; };
+    return !(lies_between(at(1), at(0), at(2)) || lies_between(at(2), at(0), at(1)) ||
+             lies_between(at(-1), at(0), at(-2)) || lies_between(at(-2), at(0), at(-1)));
+}
+
 /// Position in the ring of the allowed target of least degree, then least weight; or -1. A vertex
 /// on a border goes along a border only, and faces of the mesh take the place of those that vanish.
 int choose_target(const CollapseMesh& mesh,
@@ -77,19 +93,6 @@ int choose_target(const CollapseMesh& mesh,
         return !on_border ||
             ((is_cap(t) || is_cap(t - 1)) && can_vanish(t, t + 1) && can_vanish(t - 1, t - 2));
     };
-    // Where a subdivision is undone a new vertex must not be left with one face of an old triangle,
-    // beside its edge: when the vertex went, a face of another triangle would take the place of
-    // that one.
-    const auto lies_between = [&](int middle, int a, int b) {
-        return mesh.ends[middle] == std::array<int, 2>{a, b} ||
-            mesh.ends[middle] == std::array<int, 2>{b, a};
-    };
-    const auto keeps_triangles = [&](int t) {
-        const auto at = [&](int i) { return ring[(t + i + degree) % degree]; };
-        return mesh.ends.empty() ||
-            !(lies_between(at(1), at(0), at(2)) || lies_between(at(2), at(0), at(1)) ||
-              lies_between(at(-1), at(0), at(-2)) || lies_between(at(-2), at(0), at(-1)));
-    };
     // By degree, weight, number.
     using Rank = std::pair<std::int64_t, int>;
     Rank last = {-1, -1};
@@ -104,7 +107,8 @@ int choose_target(const CollapseMesh& mesh,
                 best_rank = rank;
             }
         }
-        if (mesh.may_take(ring[best], v) && keeps_border(best) && keeps_triangles(best) &&
+        if (mesh.may_take(ring[best], v) && keeps_border(best) &&
+            keeps_triangles(mesh, ring, degree, best) &&
             satisfies_link_condition(mesh, ring, degree, best)) {
             return best;
         }

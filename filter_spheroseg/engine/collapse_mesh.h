@@ -3,6 +3,7 @@
 
 #include "dual_graph.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace spheroseg {
@@ -73,6 +74,13 @@ struct CollapseMesh {
     bool is_removable(int v) const {
         return !is_fixed[v] && (v < first_cap_vertex || vertices[v].degree == 3) &&
             (ends.empty() || ends[v][0] >= 0);
+    }
+
+    /// How many of the faces, in increasing order, are not of caps.
+    int count_mesh_faces(const std::vector<int>& live_faces) const {
+        return static_cast<int>(
+            std::lower_bound(live_faces.begin(), live_faces.end(), first_cap_face) -
+            live_faces.begin());
     }
 
     /// Calls visit(face, ring vertex) for the faces (v, ring vertex, next ring vertex) of the

@@ -239,9 +239,8 @@ void Builder::close_ranks() {
 }
 
 bool Builder::has_many_holes() const {
-    const auto cap_faces = live_faces_.end() -
-        std::lower_bound(live_faces_.begin(), live_faces_.end(), mesh_.first_cap_face);
-    return cap_faces * kFacesPerCapFace > static_cast<std::ptrdiff_t>(live_faces_.size());
+    const std::size_t cap_faces = live_faces_.size() - mesh_.count_mesh_faces(live_faces_);
+    return cap_faces * kFacesPerCapFace > live_faces_.size();
 }
 
 void Builder::collect_base() {
@@ -292,25 +291,28 @@ bool Builder::undo_subdivision(const Progress& progress) {
     Limits any;
     any.max_degree = std::numeric_limits<int>::max();
     any.max_weight_ratio = std::numeric_limits<double>::max();
+    auto left =
+        std::count_if(alive_.begin(), alive_.end(), [&](int v) { return mesh_.ends[v][0] >= 0; });
     for (int max_degree : {kMaxTargetDegree, any.max_degree}) {
         mesh_.max_target_degree = max_degree;
         // A vertex without a target gets one once a neighbour is gone, so none is left out for
         // ever.
-        do {
+        bool were_any = true;
+        while (left > 0 && were_any) {
             report(progress);
             rank_vertices(any);
-            do_round(false);
-        } while (round_.size() > 0);
+            left -= do_round(false);
+            were_any = round_.size() > 0;
+        }
         std::fill(stuck_at_.begin(), stuck_at_.end(), -1);
     }
-    const bool all_removed =
-        std::none_of(alive_.begin(), alive_.end(), [&](int v) { return mesh_.ends[v][0] >= 0; });
     mesh_.ends.clear();
-    if (all_removed) {
-        spread_weight();
-        result_.quartered_rounds.push_back(result_.round_count());
+    if (left > 0) {
+        return false;
     }
-    return all_removed;
+    spread_weight();
+    result_.quartered_rounds.push_back(result_.round_count());
+    return true;
 }
 
 /// Where each face stands for as many of the input.
@@ -318,14 +320,12 @@ void Builder::spread_weight() {
     for (int v : alive_) {
         mesh_.vertices[v].weight = 0;
     }
-    const auto is_cap = [&](int f) { return f >= mesh_.first_cap_face; };
-    const auto count =
-        live_faces_.size() - std::count_if(live_faces_.begin(), live_faces_.end(), is_cap);
-    const int weight = face_count_ / static_cast<int>(count);
-    for (int f : live_faces_) {
-        mesh_.faces[f].weight = is_cap(f) ? 0 : weight;
-        for (int v : mesh_.faces[f].vertices) {
-            mesh_.vertices[v].weight += mesh_.faces[f].weight;
+    const int count = mesh_.count_mesh_faces(live_faces_);
+    for (int i = 0; i < count; ++i) {
+        CollapseMesh::Face& face = mesh_.faces[live_faces_[i]];
+        face.weight = face_count_ / count;
+        for (int v : face.vertices) {
+            mesh_.vertices[v].weight += face.weight;
         }
     }
 }

@@ -18,7 +18,7 @@ public:
 
     /// True where all of the `face_count` faces have roles that fit each other when `seed` has this
     /// one.
-    bool assign_from(int seed, int role, std::ptrdiff_t face_count) {
+    bool assign_from(int seed, int role, int face_count) {
         role_.assign(mesh_.first_cap_face, unknown);
         faces_.assign(1, seed);
         role_[seed] = static_cast<std::int8_t>(role);
@@ -29,7 +29,7 @@ public:
                 }
             }
         }
-        return static_cast<std::ptrdiff_t>(faces_.size()) == face_count;
+        return static_cast<int>(faces_.size()) == face_count;
     }
 
     /// Empty where some vertex does not lie on one edge.
@@ -111,9 +111,7 @@ bool may_be_new(const CollapseMesh& mesh, int v) {
 std::vector<std::array<int, 2>> find_subdivision(const CollapseMesh& mesh,
                                                  const std::vector<int>& live_faces,
                                                  const std::vector<int>& live_vertices) {
-    const auto cap_faces = live_faces.end() -
-        std::lower_bound(live_faces.begin(), live_faces.end(), mesh.first_cap_face);
-    const auto face_count = static_cast<std::ptrdiff_t>(live_faces.size()) - cap_faces;
+    const int face_count = mesh.count_mesh_faces(live_faces);
     if (face_count == 0 || face_count % 4 != 0) {
         return {};
     }
@@ -121,19 +119,19 @@ std::vector<std::array<int, 2>> find_subdivision(const CollapseMesh& mesh,
     const auto old = std::find_if(live_vertices.begin(), live_vertices.end(), [&](int v) {
         return v < mesh.first_cap_vertex && !mesh.is_fixed[v] && !may_be_new(mesh, v);
     });
+    // Where all vertices are regular, as on some tori, the first face may be anything.
+    int seed = live_faces.front();
+    int first_role = 0;
+    int last_role = middle;
     if (old != live_vertices.end()) {
-        int face = -1;
         mesh.for_each_in_star(*old, [&](int f, int) {
-            face = f;
+            seed = f;
             return f >= mesh.first_cap_face;
         });
-        return finder.assign_from(face, mesh.corner_of(face, *old), face_count)
-            ? finder.ends(live_vertices)
-            : std::vector<std::array<int, 2>>();
+        first_role = last_role = mesh.corner_of(seed, *old);
     }
-    // All vertices are regular, as on some tori: the first face may be anything.
-    for (int role = 0; role <= middle; ++role) {
-        if (finder.assign_from(live_faces.front(), role, face_count)) {
+    for (int role = first_role; role <= last_role; ++role) {
+        if (finder.assign_from(seed, role, face_count)) {
             return finder.ends(live_vertices);
         }
     }

@@ -47,13 +47,15 @@ public:
             }
             note(0.5 * (reached + missed), kStepCount);
         }
+        patchwork_ = best_;
         const int least = heaviest_load(least_);
         if (least < heaviest_load(best_) && heaviest_load(best_) > near_enough(best_)) {
             // Exchanges have raised the load again, up to a limit that was kept.
             patchwork_ = least_;
-            exchange_below(least, kStepCount);
+            if (!expired()) {
+                exchange_below(least, kStepCount);
+            }
         }
-        patchwork_ = best_;
     }
 
 private:

@@ -68,6 +68,21 @@ void expect_closed_surface(const TriangleMesh& mesh) {
     }
 }
 
+void expect_faces(const test::Replay& undone, const TriangleMesh& mesh) {
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        EXPECT_EQ(test::Replay::rotated(undone.faces()[f]), test::Replay::rotated(mesh.faces[f]));
+    }
+}
+
+/// The steps undone one by one, from the last one on.
+void expect_undone_to(const TriangleMesh& mesh, const CollapseHierarchy& hierarchy) {
+    test::Replay replay(hierarchy, mesh.face_count());
+    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
+        ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+    }
+    expect_faces(replay, mesh);
+}
+
 class HierarchyOfEachMesh : public testing::TestWithParam<test::MeshRecipe> {};
 
 TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
@@ -88,15 +103,7 @@ TEST_P(HierarchyOfEachMesh, EndsAtATetrahedron) {
 
 TEST_P(HierarchyOfEachMesh, UndoneBackwardsGivesTheInputFaces) {
     const TriangleMesh mesh = GetParam().make();
-    const CollapseHierarchy hierarchy = hierarchy_of(mesh);
-    test::Replay replay(hierarchy, mesh.face_count());
-    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
-        replay.undo(i);
-        ASSERT_FALSE(HasFatalFailure());
-    }
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        EXPECT_EQ(test::Replay::rotated(replay.faces()[f]), test::Replay::rotated(mesh.faces[f]));
-    }
+    expect_undone_to(mesh, hierarchy_of(mesh));
 }
 
 TEST_P(HierarchyOfEachMesh, IsASphereAfterEveryRound) {
@@ -163,12 +170,6 @@ TEST(Hierarchy, RoundsRemoveATenthOfTheVerticesAndDegreesStaySmall) {
         for (int i = 0; i < hierarchy.step_count(); ++i) {
             EXPECT_LE(hierarchy.star_begin[i + 1] - hierarchy.star_begin[i], 8);
         }
-    }
-}
-
-void expect_faces(const test::Replay& undone, const TriangleMesh& mesh) {
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        EXPECT_EQ(test::Replay::rotated(undone.faces()[f]), test::Replay::rotated(mesh.faces[f]));
     }
 }
 
@@ -342,11 +343,7 @@ TEST(Hierarchy, ASubdivisionOfWhatIsNoMeshEndsAtATetrahedronToo) {
     const CollapseHierarchy hierarchy = hierarchy_of(mesh);
     EXPECT_TRUE(hierarchy.quartered_rounds.empty());
     EXPECT_EQ(hierarchy.base_faces.size(), 4u);
-    test::Replay replay(hierarchy, mesh.face_count());
-    for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
-        ASSERT_NO_FATAL_FAILURE(replay.undo(i));
-    }
-    expect_faces(replay, mesh);
+    expect_undone_to(mesh, hierarchy);
 }
 
 TEST(Hierarchy, FixedVerticesEndASubdivision) {
@@ -355,11 +352,7 @@ TEST(Hierarchy, FixedVerticesEndASubdivision) {
          {test::subdivide(test::moebius_strip(9, 3)), test::moebius_strip(12, 4)}) {
         const CollapseHierarchy hierarchy = hierarchy_of(mesh);
         EXPECT_TRUE(hierarchy.quartered_rounds.empty());
-        test::Replay replay(hierarchy, mesh.face_count());
-        for (int i = hierarchy.step_count() - 1; i >= 0; --i) {
-            ASSERT_NO_FATAL_FAILURE(replay.undo(i));
-        }
-        expect_faces(replay, mesh);
+        expect_undone_to(mesh, hierarchy);
     }
 }
 
