@@ -195,6 +195,8 @@ TEST(PairCohesion, EveryIterationLowersTheSumOfDistancesToItsFixedCentroids) {
 }
 
 TEST(PairCohesion, ComesAsLowAsAllPairs) {
+    // Random starts end up to 8 % apart: the mean of eight is compared with.
+    constexpr int kSeeds = 8;
     const std::vector<TriangleMesh> meshes{
         icosphere(3), flipped_sphere(3, 300), flipped_sphere(3, 3000)};
     double sum = 0.0;
@@ -203,13 +205,17 @@ TEST(PairCohesion, ComesAsLowAsAllPairs) {
         const std::vector<Vec3>& centroids = samples()[m].centroids;
         const DualGraph graph = build_dual_graph(meshes[m]);
         for (int k : {10, 25, 60}) {
-            std::vector<int> reference = random_balanced_labels(graph.face_count(), k, 0);
-            cohere_all_pairs(graph, centroids, k, 0, {}, reference);
+            double reference = 0.0;
+            for (int seed = 0; seed < kSeeds; ++seed) {
+                std::vector<int> labels = random_balanced_labels(graph.face_count(), k, seed);
+                cohere_all_pairs(graph, centroids, k, seed, {}, labels);
+                reference += cohesion_energy(centroids, labels, k) / kSeeds;
+            }
             std::vector<int> labels = balanced_sphere_labels(centroids, k);
             cohere_pairs(centroids, k, {}, labels);
-            const double ratio =
-                cohesion_energy(centroids, labels, k) / cohesion_energy(centroids, reference, k);
-            EXPECT_LT(ratio, 1.15) << samples()[m].name << " " << k;
+            const double ratio = cohesion_energy(centroids, labels, k) / reference;
+            // On the hardest map the one start is farther off.
+            EXPECT_LT(ratio, m < 2 ? 1.02 : 1.08) << samples()[m].name << " " << k;
             sum += std::log(ratio);
             ++count;
         }
