@@ -91,7 +91,8 @@ stamp="$venv/.spheroseg-$python_level"
 wanted=$(cat "$root"/requirements/*.txt | sha256sum)
 if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
     say "installing Python packages (requirements/$python_level.txt)"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+    # Most modules are never imported; Python compiles the others as they are.
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
         --requirement "$requirements"
     echo "$wanted" >"$stamp"
 fi
