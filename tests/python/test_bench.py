@@ -117,6 +117,34 @@ def test_subdivision_keeps_a_closed_surface_and_its_volume():
     assert areas == pytest.approx(np.full(32, areas[0]))
 
 
+def comes_from_a_split(faces: np.ndarray) -> bool:
+    """Is a closed mesh another one with each triangle split in four? Then each of its triangles has
+    one corner of the other mesh, or none and beside it three that have one, across from it; and
+    six of them meet wherever that mesh has no corner."""
+    corners = [set(face) for face in faces.tolist()]
+    neighbours = [[] for _ in corners]
+    for one, other in recount.linked_faces(recount.edge_faces(faces).values()):
+        neighbours[one].append(other)
+        neighbours[other].append(one)
+
+    def is_split(first_old: int | None) -> bool:
+        is_old = {vertex: vertex == first_old for vertex in corners[0]}
+        reached, seen = [0], {0}
+        for face in reached:
+            is_middle = not any(is_old[vertex] for vertex in corners[face])
+            for other in neighbours[face]:
+                (across,) = corners[other] - corners[face]
+                if other not in seen:
+                    seen.add(other)
+                    reached.append(other)
+                if is_old.setdefault(across, is_middle) != is_middle:
+                    return False
+        degrees = np.bincount(faces.ravel())
+        return all(is_old[vertex] or degrees[vertex] == 6 for vertex in is_old)
+
+    return any(is_split(first_old) for first_old in (None, *corners[0]))
+
+
 def test_bars_compare_medians_with_the_better_metis_mode():
     found = bars(
         Table(
@@ -257,6 +285,41 @@ def test_results_that_are_not_valid_are_counted_and_marked(tmp_path):
     text = (tmp_path / "benchmarks.md").read_text()
     # The hexagonal bound is sqrt(6 * 12,800 * 200) / 2 = 1,959.6.
     assert "| ball | 12,800 | 200 | 0.047* | 0.095 |" in text
+
+
+def test_meshes_that_are_subdivisions_are_named_so():
+    samples = Path(program.REPOSITORY / "sample_meshes")
+    found, _ = meshes.available(samples, samples / "none")
+    small = [mesh for mesh in found if mesh.triangle_count <= 25_000]
+    assert len(small) >= 10
+    assert {mesh.name: meshes.is_subdivision(mesh.name) for mesh in small} == {
+        mesh.name: comes_from_a_split(meshes.read(mesh)[1]) for mesh in small
+    }
+
+
+def test_the_bars_stand_there_once_more_without_subdivisions(tmp_path):
+    place = {"commit": "c", "machine": "m"}
+    rows = [
+        row("fast_standard", edges, 1.0, mesh=mesh, **place)
+        for mesh, edges in (("ball", 90), ("displaced_sphere_x4", 40))
+    ]
+    rows += [
+        row(method, 100, 1.0, mesh=mesh, **place)
+        for mesh in ("ball", "displaced_sphere_x4")
+        for method in ("metis_kway", "metis_recursive")
+    ]
+    facts = environment.surroundings() | {"threads": "2"}
+    title = "| BE over the better METIS mode, k = 200, `standard` | 0.95 | 0.9 |"
+
+    def text_of(rows: list[dict]) -> str:
+        document.write(tmp_path, Table(rows), [], facts, Plan(), [])
+        return (tmp_path / "benchmarks.md").read_text()
+
+    all_meshes, others = text_of(rows).split("### Without subdivisions")
+    assert f"{title} 0.600 | 2 | aim reached |" in all_meshes  # the root of 0.9 * 0.4
+    assert "1 of the 2 meshes" in others
+    assert f"{title} 0.900 | 1 | aim reached |" in others
+    assert "Without subdivisions" not in text_of([r for r in rows if r["mesh"] == "ball"])
 
 
 def test_program_writes_the_document_and_resumes(tmp_path, capsys):

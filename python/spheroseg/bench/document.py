@@ -9,7 +9,7 @@ from pathlib import Path
 
 from spheroseg import atomic
 from spheroseg.bench import plot
-from spheroseg.bench.meshes import SERIES
+from spheroseg.bench.meshes import SERIES, is_subdivision
 from spheroseg.bench.plan import METHODS, Plan
 from spheroseg.bench.statistics import (
     COUNT_KINDS,
@@ -53,6 +53,7 @@ def write(
     sections = [
         _introduction(table, sweep, facts, plan, reasons),
         _bar_section(bars(table, sweep)),
+        _other_meshes_section(table, sweep),
         f"![Quality against time]({IMAGE})\n\nSmall marks: meshes. Large marks: geometric means, "
         "filled where every result was valid.",
         *(_quality_section(table, kind) for kind in COUNT_KINDS),
@@ -124,14 +125,31 @@ def _introduction(table: Table, sweep, facts: dict[str, str], plan: Plan, reason
 
 
 def _bar_section(found: Iterable[Bar]) -> str:
+    return (
+        "## The bars\n\nGeometric means over the meshes unless a line says otherwise; BE is the "
+        "number of boundary edges, less is better.\n\n" + _bar_table(found)
+    )
+
+
+def _bar_table(found: Iterable[Bar]) -> str:
     body = [
         [b.title, f"{b.bar:g}", f"{b.aim:g}", _number(b.value), str(b.case_count), b.verdict]
         for b in found
     ]
-    head = ["", "bar", "aim", "measured", "cases", ""]
+    return _markdown(["", "bar", "aim", "measured", "cases", ""], body)
+
+
+def _other_meshes_section(table: Table, sweep: list[dict]) -> str:
+    """The bars once more, of meshes that are no subdivisions."""
+    others = table.without(is_subdivision)
+    count = len(table.meshes) - len(others.meshes)
+    if not (count and others.meshes):
+        return ""
+    other_sweep = [row for row in sweep if not is_subdivision(row["mesh"])]
     return (
-        "## The bars\n\nGeometric means over the meshes unless a line says otherwise; BE is the "
-        "number of boundary edges, less is better.\n\n" + _markdown(head, body)
+        f"### Without subdivisions\n\n{count} of the {len(table.meshes)} meshes come from coarser "
+        "ones by splitting each triangle in four, which `fast` recognises and undoes. Over the "
+        "others:\n\n" + _bar_table(bars(others, other_sweep))
     )
 
 

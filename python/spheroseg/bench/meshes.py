@@ -17,6 +17,8 @@ from spheroseg.file_checks import checked_counts
 PYMESHLAB_SAMPLES = ("cow.obj", "airplane.obj", "bone.ply", "bunny.obj")
 # Sample, and how often each triangle is split in four; the first is the series of the exponent.
 SUBDIVIDED = {"displaced_sphere": (1, 2, 3, 4), "limbed_figure": (1, 2), "cow": (2,)}
+# Of ours, those that `generate.py` splits so.
+SPLIT_SAMPLES = ("displaced_sphere", "flat_leaf", "limbed_figure")
 SERIES = ("displaced_sphere", *(f"displaced_sphere_x{4**level}" for level in (1, 2, 3, 4)))
 
 
@@ -72,6 +74,13 @@ def chosen(meshes: list[BenchMesh], patterns: str | None) -> list[BenchMesh]:
         return meshes
     wanted = patterns.split(",")
     return [mesh for mesh in meshes if any(fnmatch.fnmatchcase(mesh.name, w) for w in wanted)]
+
+
+def is_subdivision(name: str) -> bool:
+    """Does the mesh of that name come from another one by splitting each triangle in four?"""
+    return name in SPLIT_SAMPLES or any(
+        name == f"{sample}_x{4**level}" for sample, levels in SUBDIVIDED.items() for level in levels
+    )
 
 
 def read(mesh: BenchMesh) -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,7 @@
 
 import math
 import statistics
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from spheroseg.evaluate.judging import METIS_MODES, geometric_mean, hexagonal_bound, is_valid
@@ -64,6 +64,7 @@ class Table:
     """The rows of a benchmark by mesh, k, method and measurement (see `worker.py`)."""
 
     def __init__(self, rows: Iterable[dict]):
+        rows = list(rows)
         self.rows = [row for row in rows if row["status"] == "done"]
         self.failures = [row for row in rows if row["status"] != "done"]
         groups: dict[tuple, list[dict]] = {}
@@ -77,6 +78,10 @@ class Table:
     def summaries(self) -> list[tuple[str, Summary]]:
         """(measurement, summary) of every group."""
         return [(key[3], summary) for key, summary in self._summaries.items()]
+
+    def without(self, is_left_out: Callable[[str], bool]) -> "Table":
+        """The rows of all meshes but those whose names are left out."""
+        return Table(row for row in self.rows + self.failures if not is_left_out(row["mesh"]))
 
     def get(self, mesh: str, k: int, method: str, measurement: str = "first") -> Summary | None:
         return self._summaries.get((mesh, k, method, measurement))
