@@ -34,6 +34,9 @@ constexpr std::int64_t kPatience = 100;
 constexpr std::int64_t kPatienceWhenClose = 50000;
 constexpr std::int64_t kPatiencePerStep = 200;
 constexpr std::int64_t kIdleWalks = 2;
+/// Sub-meshes change places when they are cut anew, so what counts them leads astray on a way as
+/// long as this, in faces; then every other walk goes by the faces, which stay where they are.
+constexpr int kFar = 100;
 /// About a millisecond.
 constexpr std::int64_t kFacesPerReport = 20000;
 
@@ -84,7 +87,7 @@ private:
     std::int64_t patience(const std::vector<int>& off) const {
         std::int64_t steps = 0;
         for (int label : off) {
-            steps += std::max(0, distances_for(label)[label]);
+            steps += std::max(0, distance_[is_heavy(label)][label]);
         }
         const auto count = static_cast<std::int64_t>(off.size());
         return std::min(kPatience * patchwork_.submesh_count() / count,
@@ -92,9 +95,15 @@ private:
             kIdleWalks * kCutsPerWalk * count;
     }
 
-    /// To where what a sub-mesh is off can be made up for; -1 where that can not be reached.
-    const std::vector<int>& distances_for(int label) const {
-        return distance_[patchwork_.load[label] > even_.ceiling];
+    bool is_heavy(int label) const { return patchwork_.load[label] > even_.ceiling; }
+
+    /// From a sub-mesh that is off to where that can be made up for; -1 where that can not be
+    /// reached.
+    int distance_in_faces(int label) const {
+        const std::vector<int>& distance = face_distance_[is_heavy(label)];
+        const std::vector<int>& faces = faces_of_[label];
+        return distance[*std::min_element(
+            faces.begin(), faces.end(), [&](int f, int g) { return distance[f] < distance[g]; })];
     }
 
     void list_if_off(int label) {
@@ -129,6 +138,7 @@ private:
     }
 
     void walk(int label) {
+        goes_by_faces_ = distance_in_faces(label) > kFar && random_.below(2) == 0;
         for (int i = 0; i < kCutsPerWalk && label >= 0 && deviation(label) > 0 &&
              unreported_faces_ < kFacesPerReport;
              ++i) {
@@ -250,7 +260,8 @@ private:
     }
 
     /// From each sub-mesh to the nearest one that can take a face (`outward`) or spare one, in
-    /// sub-meshes. They change while sub-meshes are cut anew, but not much.
+    /// sub-meshes; and from each face to the nearest one of those, in faces. They change while
+    /// sub-meshes are cut anew, but not much.
     void measure_distances(bool outward) {
         std::vector<int>& distance = distance_[outward];
         distance.assign(patchwork_.submesh_count(), -1);
@@ -263,22 +274,40 @@ private:
         }
         for (std::size_t head = 0; head < queue.size(); ++head) {
             const int at = queue[head];
-            for_each_neighbor(at, [&](int neighbor) {
+            for_each_face_across(at, [&](int face) {
+                const int neighbor = patchwork_.label(face);
                 if (distance[neighbor] < 0) {
                     distance[neighbor] = distance[at] + 1;
                     queue.push_back(neighbor);
                 }
             });
         }
+        std::vector<int>& of_face = face_distance_[outward];
+        of_face.assign(patchwork_.face_count(), -1);
+        queue.clear();
+        for (int f = 0; f < patchwork_.face_count(); ++f) {
+            if (distance[patchwork_.label(f)] == 0) {
+                of_face[f] = 0;
+                queue.push_back(f);
+            }
+        }
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            const int at = queue[head];
+            for (const NeighborSide across : patchwork_.cells[at].side) {
+                if (across >= 0 && of_face[face_of(across)] < 0) {
+                    of_face[face_of(across)] = of_face[at] + 1;
+                    queue.push_back(face_of(across));
+                }
+            }
+        }
     }
 
-    /// Some are visited more than once.
-    template <typename Visit> void for_each_neighbor(int label, Visit visit) const {
+    /// Each face beyond a side of a sub-mesh, for each such side.
+    template <typename Visit> void for_each_face_across(int label, Visit visit) const {
         for (int f : faces_of_[label]) {
-            for (int c = 0; c < 3; ++c) {
-                const int across = patchwork_.label_across(f, c);
-                if (across >= 0 && across != label) {
-                    visit(across);
+            for (const NeighborSide across : patchwork_.cells[f].side) {
+                if (across >= 0 && patchwork_.label(face_of(across)) != label) {
+                    visit(face_of(across));
                 }
             }
         }
@@ -287,18 +316,23 @@ private:
     /// Of the sub-meshes beside the last one of a region that is nearest to where what the first
     /// one is off can be made up for; of several any; -1 when there is none.
     int nearest_to_goal(const Region& region) {
-        const std::vector<int>& distance = distances_for(region.labels.front());
+        const bool outward = is_heavy(region.labels.front());
         int nearest = -1;
+        int least = 0;
         std::uint32_t count = 0;
-        for_each_neighbor(region.labels.back(), [&](int neighbor) {
-            if (has(region, neighbor)) {
+        for_each_face_across(region.labels.back(), [&](int face) {
+            const int label = patchwork_.label(face);
+            if (has(region, label)) {
                 return;
             }
-            if (nearest < 0 || distance[neighbor] < distance[nearest]) {
+            const int distance =
+                goes_by_faces_ ? face_distance_[outward][face] : distance_[outward][label];
+            if (nearest < 0 || distance < least) {
+                least = distance;
                 count = 0;
             }
-            if (count == 0 || distance[neighbor] == distance[nearest]) {
-                nearest = random_.below(++count) == 0 ? neighbor : nearest;
+            if (distance == least) {
+                nearest = random_.below(++count) == 0 ? label : nearest;
             }
         });
         return nearest;
@@ -309,7 +343,8 @@ private:
         int chosen = -1;
         std::uint32_t count = 0;
         for (int label : region.labels) {
-            for_each_neighbor(label, [&](int neighbor) {
+            for_each_face_across(label, [&](int face) {
+                const int neighbor = patchwork_.label(face);
                 if (!has(region, neighbor) && random_.below(++count) == 0) {
                     chosen = neighbor;
                 }
@@ -326,6 +361,9 @@ private:
     TreeCut tree_cut_;
     std::vector<std::vector<int>> faces_of_;
     std::vector<int> distance_[2];
+    std::vector<int> face_distance_[2];
+    /// Does the walk?
+    bool goes_by_faces_ = false;
     /// Cuts since one of them made the sub-meshes less off.
     std::int64_t idle_cuts_ = 0;
     /// Faces that were cut since the distances were measured; at first those that are due.

@@ -163,5 +163,20 @@ TEST(Recut, StopsOnTheWayToo) {
     EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
 }
 
+TEST(Recut, CarriesFacesAlongManyTubes) {
+    // What is off in a tube can only be made up for in another one, some hundred sub-meshes away.
+    const Levels levels(tubes_on_sphere(10, 300));
+    const int face_count = levels.mesh.face_count();
+    const int k = face_count / 3;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
+        bisect(patchwork, k, seed, 1);
+        repair(patchwork);
+        std::int64_t cuts_left = kManyCuts;
+        EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << seed;
+        EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << seed;
+    }
+}
+
 } // namespace
 } // namespace spheroseg

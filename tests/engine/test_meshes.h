@@ -39,6 +39,32 @@ inline TriangleMesh limbed_figure(int level, double limb_length = 6.0) {
     return mesh;
 }
 
+/// Icosphere with 80 faces, on the first `tube_count` of which closed tubes of `ring_count` rings
+/// of six faces stand, each ring a tenth farther out than the one below it. 6 * tube_count *
+/// ring_count + 80 faces.
+inline TriangleMesh tubes_on_sphere(int tube_count, int ring_count) {
+    TriangleMesh mesh = icosphere(1);
+    for (int tube = 0; tube < tube_count; ++tube) {
+        Triangle ring = mesh.faces[tube];
+        for (int r = 0; r < ring_count; ++r) {
+            Triangle next;
+            for (int i = 0; i < 3; ++i) {
+                next[i] = static_cast<int>(mesh.positions.size());
+                const Vec3 position = mesh.positions[ring[i]] * 1.1;
+                mesh.positions.push_back(position);
+            }
+            for (int i = 0; i < 3; ++i) {
+                const int j = (i + 1) % 3;
+                mesh.faces.push_back({ring[i], ring[j], next[i]});
+                mesh.faces.push_back({ring[j], next[j], next[i]});
+            }
+            ring = next;
+        }
+        mesh.faces[tube] = ring;
+    }
+    return mesh;
+}
+
 /// Closed tube along z: `ring_count` rings of `ring_size` vertices and two poles.
 /// 2 * ring_size * ring_count faces. Long, thin and few around: the hardest limb.
 inline TriangleMesh long_thin_limb(int ring_size, int ring_count, double ring_spacing = 0.5) {
