@@ -2,9 +2,11 @@
 #include "shares.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <queue>
+#include <tuple>
 #include <utility>
 
 namespace spheroseg {
@@ -100,26 +102,54 @@ private:
         return sum;
     }
 
+    /// One more sub-mesh for a component; the greatest step is taken next.
+    struct Step {
+        /// How much the sum of squares falls.
+        double gain;
+        /// How far above the counts that both ends of the step allow the mean counts there are: the
+        /// one that is farther from the middle, and the other one.
+        double outer;
+        double inner;
+        int component;
+
+        bool operator<(const Step& other) const {
+            return std::make_tuple(gain, outer, -inner, -component) <
+                std::make_tuple(other.gain, other.outer, -other.inner, -other.component);
+        }
+    };
+
     /// Gives the rest one by one where the sum of squares falls most: it is convex in each share.
+    /// It falls by m (m + 1) wherever counts stay m or m + 1, and cuts are hardest to find where
+    /// nearly all counts have to be the same. Of such steps therefore those come first that lead
+    /// away from a mean of m + 1, then those that lead least near to one of m.
     void give_rest(const Bounds& bounds, int rest, std::vector<int>& shares) const {
-        using Candidate = std::pair<double, int>;
-        std::priority_queue<Candidate> queue;
+        std::priority_queue<Step> queue;
         const auto offer = [&](int i) {
             if (shares[i] < face_counts_[i] / bounds.least) {
-                const double gain = sum_of_squares(face_counts_[i], shares[i]) -
-                    sum_of_squares(face_counts_[i], shares[i] + 1);
-                queue.emplace(gain, -i);
+                queue.push(step(i, shares[i]));
             }
         };
         for (int i = 0; i < static_cast<int>(shares.size()); ++i) {
             offer(i);
         }
         for (; rest > 0; --rest) {
-            const int i = -queue.top().second;
+            const int i = queue.top().component;
             queue.pop();
             ++shares[i];
             offer(i);
         }
+    }
+
+    Step step(int component, int share) const {
+        const int n = face_counts_[component];
+        const int small = n / (share + 1);
+        const double gain = sum_of_squares(n, share) - sum_of_squares(n, share + 1);
+        double outer = static_cast<double>(n) / share - small;
+        double inner = static_cast<double>(n) / (share + 1) - small;
+        if (std::abs(inner - 0.5) > std::abs(outer - 0.5)) {
+            std::swap(outer, inner);
+        }
+        return {gain, outer, inner, component};
     }
 
     /// Of the counts of n faces in `parts` parts that differ by at most one.

@@ -19,9 +19,12 @@ struct Shares {
 
 /// Shares `submesh_count` sub-meshes among components of `face_counts` faces so that the largest
 /// and the smallest sub-mesh differ least; of such shares it takes those with the least largest
-/// sub-mesh, and then the least sum of squared counts. Requires
+/// sub-mesh, and then the least sum of squared counts. Where counts are m or m + 1 this leaves a
+/// choice: the parts of the sub-meshes with m + 1 are then about equal in all components, and no
+/// component gets only the one or the other as long as other ones can take the rest. Requires
 /// face_counts.size() <= submesh_count <= sum of face_counts and every face count > 0.
-/// O(m c log F) for c components, m at most the smallest face count or F / k, mostly far fewer.
+/// O((m c + r) log F) for c components, m at most the smallest face count or F / k, mostly far
+/// fewer, and r of the sub-meshes, the rest over the fewest that the largest count allows.
 Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count);
 
 /// The same by weight: one sub-mesh for each component, then always one more for the component

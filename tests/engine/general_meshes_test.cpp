@@ -319,6 +319,22 @@ TEST(General, SharesThatABranchCanNotTakeAreChanged) {
     }
 }
 
+TEST(General, ABranchBesideASphereIsNotHalvedInEitherOrder) {
+    for (bool branch_is_first : {true, false}) {
+        TriangleMesh mesh = branch_is_first ? branch() : icosphere(3);
+        append(mesh, branch_is_first ? icosphere(3) : branch());
+        PreparedMesh prepared(mesh);
+        const fuzz::Surface surface(mesh);
+        for (int k : {700, 1000, 1282}) {
+            SegmentOptions options;
+            options.submesh_count = k;
+            const fuzz::Recount recount = surface.recount(segment(prepared, options).labels, k);
+            EXPECT_TRUE(recount.is_whole()) << k;
+            EXPECT_EQ(recount.max_triangle_count_difference, 1) << k << ", " << branch_is_first;
+        }
+    }
+}
+
 TEST(General, SharesThatATreeCanNotTakeAreSearchedFor) {
     // Found by fuzzing: a tree of 24 triangles, a fan of 24 and four tetrahedra. Nine sub-meshes
     // can have 4 to 12 faces, but the tree can not be cut as the first choice of shares asks.

@@ -92,6 +92,62 @@ TEST(Shares, AreCountedByHand) {
     EXPECT_EQ(share_submeshes({100, 4}, 5).least_count, 4);
 }
 
+/// The part of a component's sub-meshes that have the larger of two counts that differ by one.
+double part_of_larger(int face_count, int share, int smaller_count) {
+    return static_cast<double>(face_count) / share - smaller_count;
+}
+
+TEST(Shares, AreInProportionWhateverTheOrder) {
+    // Of 3 or 4 faces each: 300 : 90 : 10 sub-meshes.
+    EXPECT_EQ(share_submeshes({1000, 300, 34}, 400).submesh_counts,
+              (std::vector<int>{300, 90, 10}));
+    EXPECT_EQ(share_submeshes({34, 300, 1000}, 400).submesh_counts,
+              (std::vector<int>{10, 90, 300}));
+    // Halves of 4 faces may not exist; a half and two single faces do as long as the rest suffices.
+    for (int k = 643; k <= 1283; ++k) {
+        EXPECT_EQ(share_submeshes({1280, 4}, k).submesh_counts[1], 3) << k;
+        EXPECT_EQ(share_submeshes({4, 1280}, k).submesh_counts[0], 3) << k;
+    }
+    EXPECT_EQ(share_submeshes({1280, 4}, 642).submesh_counts[1], 2);
+    EXPECT_EQ(share_submeshes({1280, 4}, 1284).submesh_counts[1], 4);
+}
+
+TEST(Shares, NoComponentHasOnlyOneCountWhereAllCanHaveTwo) {
+    Random random(3);
+    int compared = 0;
+    for (int run = 0; run < 2000; ++run) {
+        const int m = 1 + static_cast<int>(random.below(6));
+        std::vector<int> face_counts(2 + random.below(5));
+        int face_count = 0;
+        for (int& n : face_counts) {
+            n = 10 * m * (m + 1) + static_cast<int>(random.below(1000));
+            face_count += n;
+        }
+        const int fewest = face_count / (m + 1);
+        const int k = fewest + 1 + static_cast<int>(random.below(face_count / m - fewest));
+        const Shares shares = share_submeshes(face_counts, k);
+        if (shares.max_triangle_count_difference != 1 || shares.least_count != m) {
+            continue;
+        }
+        const double all = part_of_larger(face_count, k, m);
+        double step = 0.0;
+        for (std::size_t i = 0; i < face_counts.size(); ++i) {
+            const double share = shares.submesh_counts[i];
+            step = std::max(step, face_counts[i] / (share - 1.0) / share);
+        }
+        for (std::size_t i = 0; i < face_counts.size(); ++i) {
+            const double part = part_of_larger(face_counts[i], shares.submesh_counts[i], m);
+            EXPECT_NEAR(part, all, 2.0 * step);
+            if (all > 0.2 && all < 0.8) {
+                EXPECT_GT(part, 0.0);
+                EXPECT_LT(part, 1.0);
+                ++compared;
+            }
+        }
+    }
+    EXPECT_GT(compared, 1000);
+}
+
 TEST(Shares, ManyComponentsAreSharedAtOnce) {
     std::vector<int> face_counts(100000);
     Random random(1);
