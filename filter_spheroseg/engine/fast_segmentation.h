@@ -71,7 +71,9 @@ struct ComponentResult {
 /// Sub-meshes get the numbers that many of their faces had (rename_like).
 ///
 /// The time limit cuts the annealing short; where there is no valid result then, one is made as
-/// `draft` makes it, and its balance is searched for in up to ten times the time that it took.
+/// `draft` makes it, and its balance is searched for in up to ten times the time that it took. With
+/// weights, what the limit cuts short gets a balance of twice the time that it took; where that is
+/// not near, that of such a draft competes with it.
 /// `whole` is the mesh that the component is where that can be mapped to the sphere, else null.
 /// Throws Cancelled, DeviceError.
 ComponentResult segment_component(Component& component,

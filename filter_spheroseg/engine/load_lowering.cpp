@@ -19,9 +19,13 @@ struct Passage {
 
 class LoadLowering {
 public:
-    LoadLowering(Patchwork& patchwork, int limit, const Progress& progress)
-        : patchwork_(patchwork), limit_(limit), progress_(progress), boundaries_(patchwork),
-          inflow_(patchwork.submesh_count(), -1), came_by_(patchwork.submesh_count()) {
+    LoadLowering(Patchwork& patchwork,
+                 int limit,
+                 const Deadline* deadline,
+                 const Progress& progress)
+        : patchwork_(patchwork), limit_(limit), deadline_(deadline), progress_(progress),
+          boundaries_(patchwork), inflow_(patchwork.submesh_count(), -1),
+          came_by_(patchwork.submesh_count()) {
         work_left_ = kMinWork;
         for (int l = 0; l < patchwork.submesh_count(); ++l) {
             work_left_ += kWorkPerFace * boundaries_.listed_count(l);
@@ -30,15 +34,14 @@ public:
 
     bool run() {
         std::vector<int> heavy;
-        for (int idle_rounds = 0; idle_rounds < kMaxIdleRounds && work_left_ > 0; ++idle_rounds) {
+        for (int idle_rounds = 0; idle_rounds < kMaxIdleRounds && may_go_on(); ++idle_rounds) {
             const std::int64_t before = excess(heavy);
             if (heavy.empty()) {
                 return true;
             }
             for (int label : heavy) {
-                report_progress(progress_, 0.0, "Balancing");
                 int tries = boundaries_.listed_count(label) + kExtraTries;
-                while (patchwork_.load[label] > limit_ && tries-- > 0 && work_left_ > 0 &&
+                while (patchwork_.load[label] > limit_ && tries-- > 0 && may_go_on() &&
                        relieve(label)) {
                 }
             }
@@ -53,9 +56,25 @@ public:
 private:
     static constexpr int kMaxIdleRounds = 8;
     static constexpr int kExtraTries = 64;
-    /// Faces looked at before giving up, and more of them per boundary face.
+    /// Listed faces gone through before giving up, and more of them per boundary face. What a face
+    /// takes grows with the degrees of its vertices: it is for the deadline to bound the time.
     static constexpr std::int64_t kMinWork = 200000;
     static constexpr std::int64_t kWorkPerFace = 50;
+    /// Of these, between two looks at the clock: a tenth of a millisecond, of vertices of usual
+    /// degrees.
+    static constexpr std::int64_t kWorkPerReport = 1000;
+
+    bool may_go_on() const { return work_left_ > 0 && !is_over_; }
+
+    void count_work(std::int64_t faces) {
+        work_left_ -= faces;
+        unreported_ += faces;
+        if (unreported_ >= kWorkPerReport) {
+            unreported_ = 0;
+            report_progress(progress_, 0.0, "Balancing");
+            is_over_ = deadline_ && deadline_->expired();
+        }
+    }
 
     /// Sum of what lies above the limit; lists the labels where something does.
     std::int64_t excess(std::vector<int>& heavy) const {
@@ -73,7 +92,7 @@ private:
     /// The allowed moves of single faces out of a sub-mesh, beginning with any of them.
     void find_passages(int label) {
         passages_.clear();
-        work_left_ -= boundaries_.listed_count(label);
+        count_work(boundaries_.listed_count(label));
         boundaries_.for_each_side(label, [&](int face, int corner, int) {
             Passage passage{face, corner, {}};
             if (describe_single(patchwork_, face, corner, passage.move) &&
@@ -96,7 +115,7 @@ private:
         queue_.assign(1, start);
         inflow_[start] = 0;
         Passage last{-1, 0, {}};
-        for (std::size_t head = 0; head < queue_.size() && last.face < 0; ++head) {
+        for (std::size_t head = 0; head < queue_.size() && last.face < 0 && !is_over_; ++head) {
             const int label = queue_[head];
             const int must_pass =
                 label == start ? 1 : patchwork_.load[label] + inflow_[label] - limit_;
@@ -167,8 +186,11 @@ private:
 
     Patchwork& patchwork_;
     const int limit_;
+    const Deadline* const deadline_;
     const Progress& progress_;
     std::int64_t work_left_ = 0;
+    std::int64_t unreported_ = 0;
+    bool is_over_ = false;
     SubmeshBoundaries boundaries_;
     /// -1: not reached.
     std::vector<int> inflow_;
@@ -180,8 +202,11 @@ private:
 
 } // namespace
 
-bool lower_loads(Patchwork& patchwork, int limit, const Progress& progress) {
-    return LoadLowering(patchwork, limit, progress).run();
+bool lower_loads(Patchwork& patchwork,
+                 int limit,
+                 const Deadline* deadline,
+                 const Progress& progress) {
+    return LoadLowering(patchwork, limit, deadline, progress).run();
 }
 
 } // namespace spheroseg

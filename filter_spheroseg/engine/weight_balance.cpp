@@ -20,9 +20,11 @@ class WeightBalance {
 public:
     WeightBalance(Patchwork& patchwork,
                   const AnnealSchedule& exchanges,
-                  const AnnealControl& control)
+                  const AnnealControl& control,
+                  const Deadline* first_deadline)
         : patchwork_(patchwork), exchanges_(exchanges), control_(control),
-          mean_(mean_load(patchwork)), best_(patchwork), least_(patchwork) {
+          first_deadline_(first_deadline), mean_(mean_load(patchwork)), best_(patchwork),
+          least_(patchwork) {
         exchanges_.proposals_per_face /= kStepCount;
         exchanges_.phase_count = std::max(1, exchanges_.phase_count / kStepCount);
     }
@@ -62,13 +64,14 @@ private:
     /// True when all loads came to at most so much above the mean.
     bool reach(double above_mean, int step) {
         const int limit = static_cast<int>(mean_ * (1.0 + above_mean));
-        const Progress lowering = sub_progress(control_.progress, begin_of(step), begin_of(step));
+        const Progress progress = sub_progress(control_.progress, begin_of(step), begin_of(step));
+        const Deadline* const deadline = step == 0 ? first_deadline_ : control_.deadline;
         patchwork_ = best_;
-        bool below = lower_loads(patchwork_, limit, lowering);
+        bool below = lower_loads(patchwork_, limit, deadline, progress);
         keep_best();
         if (!below && !expired()) {
-            shake(lowering);
-            below = lower_loads(patchwork_, limit, lowering);
+            shake(progress);
+            below = lower_loads(patchwork_, limit, control_.deadline, progress);
             keep_best();
         }
         if (below && !expired()) {
@@ -122,6 +125,8 @@ private:
     AnnealSchedule exchanges_;
     /// With the phases that are left of those allowed.
     AnnealControl control_;
+    /// Of the first step.
+    const Deadline* const first_deadline_;
     const double mean_;
     /// What the next step begins with, and what has the least heaviest load so far.
     Patchwork best_;
@@ -140,9 +145,10 @@ int near_enough(const Patchwork& patchwork) {
 
 void balance_by_weight(Patchwork& patchwork,
                        const AnnealSchedule& exchanges,
-                       const AnnealControl& control) {
+                       const AnnealControl& control,
+                       const Deadline* first_deadline) {
     if (patchwork.submesh_count() > 1) {
-        WeightBalance(patchwork, exchanges, control).run();
+        WeightBalance(patchwork, exchanges, control, first_deadline).run();
     }
 }
 

@@ -15,10 +15,13 @@ int near_enough(const Patchwork& patchwork);
 /// `lower_loads`, where that gets stuck after annealing with a strong pull towards the mean, and
 /// by exchanges that keep below what was reached (`exchanges`, all steps together). Ends when a
 /// step is out of reach; then between the last two. The result is the patchwork with the least
-/// heaviest load that was met, or one that is near enough. When the time is up no further step is
-/// begun. The phases of all exchanges together are those that `control` allows. Throws Cancelled.
+/// heaviest load that was met, or one that is near enough. When the time of `control` is up no
+/// further step is begun and the running one ends; but the first one begins in any case, and lowers
+/// loads until `first_deadline` (may be null). The phases of all exchanges together are those that
+/// `control` allows. Throws Cancelled.
 void balance_by_weight(Patchwork& patchwork,
                        const AnnealSchedule& exchanges,
-                       const AnnealControl& control);
+                       const AnnealControl& control,
+                       const Deadline* first_deadline = nullptr);
 
 } // namespace spheroseg

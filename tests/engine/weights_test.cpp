@@ -207,6 +207,50 @@ TEST(WeightBalance, LowerLoadsKeepsEverySubmeshSoundAndNeverRaisesABalancedOne) 
     }
 }
 
+TEST(WeightBalance, LoweringStopsWhenTheTimeIsUpOrWhenCancelled) {
+    const Levels levels(displaced_sphere(4));
+    // A limit below the mean is out of reach.
+    const Patchwork ragged = ragged_patchwork(levels, 400, 1);
+    const int limit = levels.mesh.face_count() / 400 - 1;
+    Patchwork patchwork;
+    const auto reports_until = [&](const Deadline* deadline, int most) {
+        int reports = 0;
+        patchwork = ragged;
+        EXPECT_FALSE(lower_loads(
+            patchwork, limit, deadline, [&](double, const char*) { return ++reports < most; }));
+        return reports;
+    };
+    const Deadline deadline(1e-9);
+    EXPECT_GT(reports_until(nullptr, 1 << 30), 50);
+    EXPECT_EQ(reports_until(&deadline, 1 << 30), 1);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
+    EXPECT_THROW(reports_until(nullptr, 5), Cancelled);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+}
+
+TEST(WeightBalance, TheFirstStepEndsWithItsTimeAndLaterOnesWithThatOfAll) {
+    const Levels levels(displaced_sphere(4));
+    const Patchwork ragged = ragged_patchwork(levels, 1700, 1); // three faces each: out of reach
+    const auto reports_until = [&](const Deadline* deadline, const Deadline* first_deadline) {
+        Patchwork patchwork = ragged;
+        int reports = 0;
+        AnnealControl control;
+        control.deadline = deadline;
+        control.progress = [&](double, const char*) { return ++reports > 0; };
+        balance_by_weight(patchwork, schedule_of(10.0, 1), control, first_deadline);
+        EXPECT_LE(heaviest_load(patchwork), heaviest_load(ragged));
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+        return reports;
+    };
+    const Deadline expired(1e-9);
+    const int all = reports_until(nullptr, nullptr);
+    const int first = reports_until(&expired, nullptr);
+    EXPECT_GT(all, 2 * first);
+    EXPECT_GT(first, 10);
+    EXPECT_EQ(reports_until(&expired, &expired), 1);
+}
+
 TEST(WeightBalance, NeverRaisesTheHeaviestLoad) {
     const Levels levels(displaced_sphere(3));
     std::vector<int> weights;
