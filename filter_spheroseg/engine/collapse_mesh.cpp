@@ -96,25 +96,27 @@ int choose_target(const CollapseMesh& mesh,
     // By degree, weight, number.
     using Rank = std::pair<std::int64_t, int>;
     Rank last = {-1, -1};
-    for (int attempt = 0; attempt < degree; ++attempt) {
+    // What takes no look at a target's star comes first: many ring vertices may be fixed.
+    const auto may_be_target = [&](int t) {
+        return mesh.may_take(ring[t], v) && keeps_border(t) &&
+            keeps_triangles(mesh, ring, degree, t);
+    };
+    for (;;) {
         int best = -1;
         Rank best_rank;
         for (int j = 0; j < degree; ++j) {
             const CollapseMesh::Vertex& r = mesh.vertices[ring[j]];
             const Rank rank = {static_cast<std::int64_t>(r.degree) << 32 | r.weight, ring[j]};
-            if (rank > last && (best < 0 || rank < best_rank)) {
+            if (rank > last && (best < 0 || rank < best_rank) && may_be_target(j)) {
                 best = j;
                 best_rank = rank;
             }
         }
-        if (mesh.may_take(ring[best], v) && keeps_border(best) &&
-            keeps_triangles(mesh, ring, degree, best) &&
-            satisfies_link_condition(mesh, ring, degree, best)) {
+        if (best < 0 || satisfies_link_condition(mesh, ring, degree, best)) {
             return best;
         }
         last = best_rank;
     }
-    return -1;
 }
 
 /// Gathers the star of collapse i, rotated to its target.
