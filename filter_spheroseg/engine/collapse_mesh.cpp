@@ -287,8 +287,9 @@ CollapseMesh::CollapseMesh(const TriangleMesh& mesh,
     }
     close_holes(*this);
     is_fixed.assign(vertices.size(), 0);
-    for_each_of(
-        vertex_count, thread_count, [&](int v) { is_fixed[v] = !has_closed_fan(*this, v); });
+    for_each_of(static_cast<int>(vertices.size()), thread_count, [&](int v) {
+        is_fixed[v] = !has_closed_fan(*this, v);
+    });
 }
 
 void CollapseMesh::keep(const std::vector<int>& live_faces,

@@ -19,10 +19,11 @@ public:
             return;
         }
         join_fans();
+        join_turned_fans();
         is_done_.assign(sides_.size(), 0);
         place_of_.assign(mesh_.vertices.size(), -1);
         for (int i = 0; i < static_cast<int>(sides_.size()); ++i) {
-            close_from(i);
+            close_from(2 * i);
         }
     }
 
@@ -34,6 +35,11 @@ private:
         int from;
         int to;
     };
+
+    /// A way along side way / 2 is followed as its face runs, or against that where it is odd.
+    const Side& side_of(int way) const { return sides_[way / 2]; }
+    int begin_of(int way) const { return way % 2 ? side_of(way).to : side_of(way).from; }
+    int end_of(int way) const { return begin_of(way ^ 1); }
 
     void list_border() {
         const auto face_count = static_cast<int>(mesh_.faces.size());
@@ -75,15 +81,15 @@ private:
     }
 
     void join_fans() {
-        next_.assign(sides_.size(), -1);
+        next_.assign(2 * sides_.size(), -1);
         std::vector<int> order(sides_.size());
         std::iota(order.begin(), order.end(), 0);
-        const auto begin_of = [&](int i) { return sides_[i].from; };
+        const auto vertex_of = [&](int i) { return sides_[i].from; };
         std::stable_sort(
-            order.begin(), order.end(), [&](int i, int j) { return begin_of(i) < begin_of(j); });
+            order.begin(), order.end(), [&](int i, int j) { return vertex_of(i) < vertex_of(j); });
         for (auto first = order.begin(); first != order.end();) {
             const auto end = std::find_if(
-                first, order.end(), [&](int i) { return begin_of(i) != begin_of(*first); });
+                first, order.end(), [&](int i) { return vertex_of(i) != vertex_of(*first); });
             join_fans_that_begin({first, end});
             first = end;
         }
@@ -107,18 +113,64 @@ private:
         }
         for (std::size_t i = 0; i < ends.size(); ++i) {
             if (ends[i] >= 0) {
-                next_[ends[i]] = begins[(i + 1) % begins.size()];
+                join(2 * ends[i], 2 * begins[(i + 1) % begins.size()]);
             }
         }
     }
 
-    /// Follows the border from this side on, and closes it where it meets itself.
+    void join(int way, int next) {
+        next_[way] = next;
+        next_[next ^ 1] = way ^ 1;
+    }
+
+    /// Where the only fan of a vertex has faces that are oriented differently, as at the seam of a
+    /// Moebius band, the border goes on all the same, most often against the next face. The vertex
+    /// stays, and so does the middle of the cap.
+    void join_turned_fans() {
+        std::vector<int> end_counts(mesh_.vertices.size(), 0);
+        for (const Side& side : sides_) {
+            ++end_counts[side.from];
+            ++end_counts[side.to];
+        }
+        for (int way = 0; way < static_cast<int>(next_.size()); ++way) {
+            if (next_[way] < 0 && end_counts[end_of(way)] == 2) {
+                const int next = across_fan(way);
+                if (begin_of(way) != end_of(next)) {
+                    join(way, next);
+                }
+            }
+        }
+    }
+
+    /// The way on from the end of this one: the other side of the fan there, however its faces are
+    /// oriented.
+    int across_fan(int way) const {
+        const int v = end_of(way);
+        int f = side_of(way).face;
+        int corner = side_of(way).corner;
+        for (;;) {
+            const int at = mesh_.corner_of(f, v);
+            // Of the two sides at the vertex, the one not come from.
+            corner = corner == at ? (at + 2) % 3 : at;
+            const int g = mesh_.faces[f].neighbors[corner];
+            if (g < 0) {
+                return 2 * side_at(f, corner) + (corner != at);
+            }
+            const Triangle& vertices = mesh_.faces[f].vertices;
+            const int u = vertices[corner == at ? (at + 1) % 3 : corner];
+            const int at_v = mesh_.corner_of(g, v);
+            corner = mesh_.faces[g].vertices[(at_v + 1) % 3] == u ? at_v : (at_v + 2) % 3;
+            f = g;
+        }
+    }
+
+    /// Follows the border from here on, and closes it where it meets itself.
     void close_from(int first) {
-        for (int i = first; i >= 0 && !is_done_[i]; i = next_[i]) {
-            is_done_[i] = 1;
-            place_of_[sides_[i].from] = static_cast<int>(path_.size());
-            path_.push_back(i);
-            const int place = place_of_[sides_[i].to];
+        for (int way = first; way >= 0 && !is_done_[way / 2]; way = next_[way]) {
+            is_done_[way / 2] = 1;
+            place_of_[begin_of(way)] = static_cast<int>(path_.size());
+            path_.push_back(way);
+            const int place = place_of_[end_of(way)];
             if (place >= 0) {
                 loop_.assign(path_.begin() + place, path_.end());
                 drop_path(place);
@@ -130,7 +182,7 @@ private:
 
     void drop_path(int length) {
         for (; static_cast<int>(path_.size()) > length; path_.pop_back()) {
-            place_of_[sides_[path_.back()].from] = -1;
+            place_of_[begin_of(path_.back())] = -1;
         }
     }
 
@@ -142,15 +194,22 @@ private:
         }
     }
 
+    /// A face of a cap at this way, with a third vertex and the faces before and after it.
+    CollapseMesh::Face cap_face(int way, int third, int before, int after) const {
+        const Side& side = side_of(way);
+        if (way % 2) {
+            std::swap(before, after);
+        }
+        return {{side.to, side.from, third}, {side.face, before, after}, 0, -1};
+    }
+
     void cap_by_triangle() {
         const auto cap = static_cast<int>(mesh_.faces.size());
-        const Side& a = sides_[loop_[0]];
-        const Side& b = sides_[loop_[1]];
-        const Side& c = sides_[loop_[2]];
-        mesh_.faces.push_back({{a.to, a.from, c.from}, {a.face, c.face, b.face}, 0, -1});
-        for (const Side& side : {a, b, c}) {
-            mesh_.faces[side.face].neighbors[side.corner] = cap;
-            mesh_.vertices[side.from].degree += 1;
+        mesh_.faces.push_back(
+            cap_face(loop_[0], begin_of(loop_[2]), side_of(loop_[2]).face, side_of(loop_[1]).face));
+        for (int way : loop_) {
+            mesh_.faces[side_of(way).face].neighbors[side_of(way).corner] = cap;
+            mesh_.vertices[begin_of(way)].degree += 1;
         }
     }
 
@@ -160,24 +219,21 @@ private:
         const auto center = static_cast<int>(mesh_.vertices.size());
         mesh_.vertices.push_back({first, count, 0, -1});
         for (int i = 0; i < count; ++i) {
-            const Side& side = sides_[loop_[i]];
+            const int way = loop_[i];
             mesh_.faces.push_back(
-                {{side.to, side.from, center},
-                 {side.face, first + (i + count - 1) % count, first + (i + 1) % count},
-                 0,
-                 -1});
-            mesh_.faces[side.face].neighbors[side.corner] = first + i;
-            mesh_.vertices[side.from].degree += 2;
+                cap_face(way, center, first + (i + count - 1) % count, first + (i + 1) % count));
+            mesh_.faces[side_of(way).face].neighbors[side_of(way).corner] = first + i;
+            mesh_.vertices[begin_of(way)].degree += 2;
         }
     }
 
     CollapseMesh& mesh_;
     std::vector<Side> sides_;
-    /// How the border goes on after each side; -1: unclear.
+    /// How the border goes on after each way; -1: unclear.
     std::vector<int> next_;
     std::vector<char> is_done_;
     std::vector<int> path_;
-    /// Of each vertex, the place of the side of the path that begins there.
+    /// Of each vertex, the place of the way of the path that begins there.
     std::vector<int> place_of_;
     std::vector<int> loop_;
 };

@@ -402,6 +402,74 @@ TEST(Hierarchy, ShortensBordersThenClosesHoles) {
     }
 }
 
+/// Euler characteristic and border edges, however faces are oriented. Fails the test where an edge
+/// has more than two faces, or a vertex one border edge or more than two.
+std::pair<int, int> unoriented_topology_of(const TriangleMesh& mesh) {
+    std::map<std::pair<int, int>, int> edges;
+    std::map<int, int> border_degrees;
+    for (const Triangle& t : mesh.faces) {
+        for (int c = 0; c < 3; ++c) {
+            border_degrees[t[c]] = 0;
+            ++edges[std::minmax(t[c], t[(c + 1) % 3])];
+        }
+    }
+    int border_edges = 0;
+    for (const auto& [edge, faces] : edges) {
+        EXPECT_LE(faces, 2);
+        if (faces == 1) {
+            ++border_edges;
+            ++border_degrees[edge.first];
+            ++border_degrees[edge.second];
+        }
+    }
+    for (const auto& [vertex, degree] : border_degrees) {
+        EXPECT_TRUE(degree == 0 || degree == 2) << vertex;
+    }
+    const auto vertices = static_cast<int>(border_degrees.size());
+    return {vertices - static_cast<int>(edges.size()) + mesh.face_count(), border_edges};
+}
+
+TriangleMesh with_turned_faces(TriangleMesh mesh, int every) {
+    for (int f = 0; f < mesh.face_count(); f += every) {
+        std::swap(mesh.faces[f][0], mesh.faces[f][1]);
+    }
+    return mesh;
+}
+
+TEST(Hierarchy, ShortensBordersAlongWhichFacesAreTurned) {
+    struct Case {
+        TriangleMesh mesh;
+        int euler;
+        int most_left;
+    };
+    // The vertices of the seam stay; and those of the faces that are turned, three for each.
+    for (const auto& [mesh, euler, most_left] :
+         {Case{test::moebius_strip(60, 5), 0, 40},
+          Case{test::moebius_strip(300, 1), 0, 12},
+          Case{test::subdivide(test::moebius_strip(100, 1)), 0, 20},
+          Case{with_turned_faces(test::open_grid(20), 79), 1, 150}}) {
+        const CollapseHierarchy hierarchy = hierarchy_of(mesh);
+        test::Replay replay(hierarchy, mesh.face_count());
+        EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), most_left);
+        int border = 3;
+        for (int r = hierarchy.round_count(); r >= 0; --r) {
+            const TriangleMesh left = replay.living_mesh(mesh.vertex_count());
+            const auto [left_euler, left_border] = unoriented_topology_of(left);
+            EXPECT_EQ(left_euler, euler);
+            EXPECT_GE(left_border, border);
+            border = left_border;
+            for (int i = hierarchy.round_begin[r] - 1; r > 0 && i >= hierarchy.round_begin[r - 1];
+                 --i) {
+                ASSERT_NO_FATAL_FAILURE(replay.undo(i));
+            }
+        }
+        expect_faces(replay, mesh);
+        const CollapseHierarchy again = hierarchy_of(mesh, 1);
+        EXPECT_EQ(again.vertex, hierarchy.vertex);
+        EXPECT_EQ(again.star_faces, hierarchy.star_faces);
+    }
+}
+
 TEST(Hierarchy, OfMeshesWhoseFacesMoveTogetherIsUndoneToTheInput) {
     // From 8,192 faces on, live faces get other numbers inside; twice here, also beside caps.
     for (const TriangleMesh& mesh : {test::displaced_sphere(5),
