@@ -26,6 +26,7 @@ from spheroseg.ply_faces import (
     ply_elements,
     ply_format,
 )
+from spheroseg.text_numbers import OF_ATOF, PADDING, no_number, number_kinds, word_at, word_begins
 
 #: Of the formats that `checked_counts` knows.
 CHECKED_SUFFIXES = (".ply", ".off", ".obj", ".qobj", ".stl")
@@ -154,13 +155,13 @@ def _check_off(path: Path, _: bytes, size: int) -> Counts:
     with path.open("rb") as file:
         lines = _off_lines(path, file)
         try:
-            keyword, *counts = next(lines)
-            counts = counts or next(lines)
+            keyword, *counts = next(lines)[1]
+            counts = counts or next(lines)[1]
             if b"OFF" not in keyword or len(counts) < 3:
                 return Counts()  # PyMeshLab says what is wrong
             vertex_count = _off_count(path, size, counts[0], "vertices", 6)
             face_count = _off_count(path, size, counts[1], "faces", 4)
-            _skip_off_vertices(path, lines, vertex_count, keyword.rpartition(b"OFF")[0])
+            _check_off_vertices(path, lines, vertex_count, keyword.rpartition(b"OFF")[0])
             corners = [_off_corner_count(path, lines, vertex_count) for _ in range(face_count)]
         except StopIteration:
             raise InputError(
@@ -176,8 +177,11 @@ def _check_off(path: Path, _: bytes, size: int) -> Counts:
     return Counts(_triangle_count(corners), vertex_count)
 
 
-def _off_lines(path: Path, file: BinaryIO) -> Iterator[list[bytes]]:
-    """The words of each line that PyMeshLab does not pass over."""
+_Line = tuple[int, list[bytes]]
+
+
+def _off_lines(path: Path, file: BinaryIO) -> Iterator[_Line]:
+    """The number of each line that PyMeshLab does not pass over, and its words."""
     for number, line in enumerate(file, start=1):
         if line[:1] in (b"#", b"\n", b"\r"):
             continue
@@ -192,7 +196,7 @@ def _off_lines(path: Path, file: BinaryIO) -> Iterator[list[bytes]]:
                 f"{path}: line {number} has nothing but blanks, which PyMeshLab can not read in "
                 "off files; remove it"
             )
-        yield words
+        yield number, words
 
 
 def _off_count(path: Path, size: int, word: bytes, name: str, least_bytes: int) -> int:
@@ -205,28 +209,42 @@ def _off_count(path: Path, size: int, word: bytes, name: str, least_bytes: int) 
     return int(word)
 
 
-def _skip_off_vertices(path: Path, lines: Iterator[list[bytes]], count: int, kind: bytes) -> None:
+def _check_off_vertices(path: Path, lines: Iterator[_Line], count: int, kind: bytes) -> None:
     """`kind`: what stands before OFF: C for colours, N for normals, ST for texture coordinates."""
     number_count = 3 + 3 * (b"N" in kind) + 2 * (b"ST" in kind)
     left = 0
+    text, line_numbers = bytearray(), []
     for _ in range(count):
         missing = number_count
         while left < missing:
             missing -= left
-            words = next(lines)
+            number, words = next(lines)
             left = len(words)
-            if b"#" in b"".join(words):
-                raise InputError(
-                    f"{path}: a vertex has a comment behind it, which PyMeshLab takes for "
-                    "numbers; remove it"
-                )
+            line_numbers.append(number)
+            text += b" ".join(words) + b"\n"
         # Colours are as many numbers as the line still has.
         left = 0 if b"C" in kind else left - missing
+    if b"#" in text:
+        raise InputError(
+            f"{path}: a vertex has a comment behind it, which PyMeshLab takes for numbers; remove "
+            "it"
+        )
+    _check_off_numbers(path, text, line_numbers)
 
 
-def _off_corner_count(path: Path, lines: Iterator[list[bytes]], vertex_count: int) -> int:
-    count, *words = next(lines)
-    words = words or next(lines)
+def _check_off_numbers(path: Path, text: bytes, line_numbers: list[int]) -> None:
+    """`line_numbers`: of each line of the text in the file."""
+    data = np.frombuffer(text + PADDING, dtype=np.uint8)
+    begins = np.flatnonzero(word_begins(data))
+    _, odd = number_kinds(data, begins, OF_ATOF)
+    if odd is not None:
+        place = begins[odd]
+        raise no_number(path, line_numbers[text.count(b"\n", 0, place)], word_at(data, place))
+
+
+def _off_corner_count(path: Path, lines: Iterator[_Line], vertex_count: int) -> int:
+    count, *words = next(lines)[1]
+    words = words or next(lines)[1]
     corner_count = int(count) if count.isdigit() else 0
     if not 2 <= corner_count <= _OFF_CORNERS:
         raise InputError(

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Indices in OBJ files, which PyMeshLab follows wherever they point.
+"""Numbers in OBJ files: PyMeshLab reads what is none as something else, and follows indices
+wherever they point.
 
 numpy takes many lines apart at a time: a loop of Python's takes longer than PyMeshLab's reading.
 """
@@ -15,13 +16,28 @@ import numpy as np
 
 from spheroseg.counts import Counts
 from spheroseg.errors import InputError
-from spheroseg.text_numbers import BLANK, PADDING, whole_numbers, word_begins
+from spheroseg.text_numbers import (
+    BLANK,
+    OF_ATOF,
+    PADDING,
+    no_number,
+    number_kinds,
+    others_than,
+    whole_numbers,
+    word_at,
+    word_begins,
+)
 
 _BLOCK_BYTES = 2**20
 _END = b"\n#" + PADDING
 # Blanks for `word_begins`, but not for PyMeshLab.
 _CONTROLS = bytes({*range(BLANK)} - {*b"\t\n\r"})
-_NEWLINE, _SLASH, _HASH, _FACE, _QUAD, _VERTEX = b"\n/#fqv"
+_NEWLINE, _SLASH, _HASH, _FACE, _QUAD, _VERTEX, _PLUS, _MINUS = b"\n/#fqv+-"
+# Behind the coordinates that PyMeshLab reads: two for vt, three for v and vn.
+_COMMENT = re.compile(
+    rb"^([ \t\r]*v(?:t|n?[ \t\r]+\S+)(?:[ \t\r]+\S+){2,}?[ \t\r])#.*", re.MULTILINE
+)
+_OF_INDICES = b" \t\n\r0123456789+-/\0"
 
 
 @dataclass
@@ -53,7 +69,8 @@ class _Kind:
 def obj_counts(path: Path) -> Counts:
     """Triangles that the faces make, and vertices.
 
-    Raises InputError when a face names a vertex, texture coordinate or normal that is not there.
+    Raises InputError for a word that should be a number and is none, and when a face names a
+    vertex, texture coordinate or normal that is not there.
     """
     kinds = (_Kind("vertex", ""), _Kind("texture coordinate", "t"), _Kind("normal", "n"))
     triangle_count = place = 0
@@ -93,6 +110,8 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
             )
         block = re.sub(rb"\\\r?\n", lambda end: b" " * len(end[0]), block)
     _check_controls(path, block, place)
+    if b"#" in block:
+        block = _COMMENT.sub(lambda line: line[1].ljust(len(line[0])), block)
     text = np.frombuffer(b"\n" + block.removesuffix(b"\n") + _END, dtype=np.uint8)
     keywords = _keywords(text)
     places = keywords + (place - 1)
@@ -104,14 +123,22 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
             f"{path}: line {_line_number(path, indented[0])}: a vertex has blanks before its 'v', "
             "which PyMeshLab can not read; remove them"
         )
-    is_face = ((first == _FACE) | (first == _QUAD)) & (second <= BLANK)
     lengths = np.diff(keywords, append=len(text))
+    _check_coordinates(path, text[keywords[0] :], lengths, np.any(defined, axis=0), places)
+    is_face = ((first == _FACE) | (first == _QUAD)) & (second <= BLANK)
     faces = _Faces(text[keywords[0] :][np.repeat(is_face, lengths)], lengths[is_face])
     commented = faces.with_comment()
     if commented is not None:
         raise InputError(
             f"{path}: line {_line_number(path, places[is_face][commented])}: a face has a comment "
             "behind it, which PyMeshLab takes for a corner; remove it"
+        )
+    odd = faces.odd_corner()
+    if odd is not None:
+        owner, word = odd
+        raise InputError(
+            f"{path}: line {_line_number(path, places[is_face][owner])}: a face names '{word}', "
+            "expected whole numbers, with slashes between those of a corner; the file is damaged"
         )
     for kind, lines, (owners, indices) in zip(kinds, defined, faces.indices(), strict=True):
         counts = kind.count + np.cumsum(lines)
@@ -138,6 +165,23 @@ def _check_controls(path: Path, block: bytes, place: int) -> None:
             )
 
 
+def _check_coordinates(
+    path: Path, text: np.ndarray, lengths: np.ndarray, is_chosen: np.ndarray, places: np.ndarray
+) -> None:
+    """`is_chosen`: the lines of vertices, texture coordinates and normals."""
+    text = np.concatenate((text[np.repeat(is_chosen, lengths)], np.zeros(len(PADDING), np.uint8)))
+    ends = np.cumsum(lengths[is_chosen])
+    starts = ends - lengths[is_chosen]
+    for letter in (starts, starts + 1):  # of the keyword; behind a v there is a blank
+        text[letter] = BLANK
+    begins = np.flatnonzero(word_begins(text))
+    _, odd = number_kinds(text, begins, OF_ATOF)
+    if odd is not None:
+        owner = np.searchsorted(ends, begins[odd], side="right")
+        line = _line_number(path, places[is_chosen][owner])
+        raise no_number(path, line, word_at(text, begins[odd]))
+
+
 def _keywords(text: np.ndarray) -> np.ndarray:
     """Where the first words of the lines begin."""
     starts = np.flatnonzero(text == _NEWLINE) + 1
@@ -157,6 +201,7 @@ class _Faces:
         self.is_quad = self.text[starts] == _QUAD
         begins = word_begins(self.text)
         begins[starts] = False
+        self.text[starts] = BLANK  # instead of the keywords
         self.corners = np.flatnonzero(begins)
         self.corner_counts = np.add.reduceat(begins, starts, dtype=np.int64)
         self.owners = np.repeat(np.arange(len(starts)), self.corner_counts)
@@ -167,6 +212,17 @@ class _Faces:
         if len(comments) == 0:
             return None
         return int(np.searchsorted(self.starts, comments[0], side="right")) - 1
+
+    def odd_corner(self) -> tuple[int, str] | None:
+        """The first corner that is no whole numbers with slashes between: its face, and itself."""
+        signs = np.flatnonzero((self.text == _PLUS) | (self.text == _MINUS))
+        before = self.text[signs - 1]
+        odd = signs[(before > BLANK) & (before != _SLASH)]
+        odd = np.append(odd, others_than(_OF_INDICES, self.text))
+        if len(odd) == 0:
+            return None
+        corner = np.searchsorted(self.corners, odd.min(), side="right") - 1
+        return int(self.owners[corner]), word_at(self.text, self.corners[corner])
 
     def triangle_count(self) -> int:
         return int(np.maximum(self.corner_counts - 2, 1).sum())

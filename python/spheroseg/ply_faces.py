@@ -17,7 +17,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from spheroseg.counts import Counts
 from spheroseg.errors import InputError
-from spheroseg.text_numbers import PADDING, number_kinds, whole_numbers, word_begins
+from spheroseg.text_numbers import (
+    PADDING,
+    no_number,
+    number_kinds,
+    whole_numbers,
+    word_at,
+    word_begins,
+)
 
 #: numpy's code of each type.
 PLY_TYPES = {
@@ -345,8 +352,7 @@ def _text_as_binary(path: Path, start: int) -> np.ndarray:
     if odd is not None:
         place = begins[odd]
         line = 1 + head.count(b"\n") + np.count_nonzero(text[:place] == _NEWLINE)
-        word = text[place : place + 40].tobytes().split()[0]
-        raise InputError(f"{path}: line {line}: '{_shown(word)}' is no number; the file is damaged")
+        raise no_number(path, line, word_at(text, place))
     numbers = whole_numbers(text, begins)
     numbers[~is_whole] = _NOT_WHOLE
     return numbers.view(np.uint8)

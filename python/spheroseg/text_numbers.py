@@ -4,17 +4,41 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
+
+from spheroseg.errors import InputError
 
 _MOST_DIGITS = 18  # fit into 64 bits
 #: What a text must end with for `whole_numbers`.
 PADDING = bytes(_MOST_DIGITS + 2)
 BLANK, _PLUS, _MINUS, _ZERO, _POINT, _EXPONENT = b" +-0.e"
 _LOWER_CASE = 0x20
-_NO_FIGURE = np.ones(256, dtype=bool)
-_NO_FIGURE[list(b" \t\n\v\f\r0123456789+-.eE\0")] = False
-_NOT_FINITE = re.compile(rb"[+-]?(nan|inf|infinity)(?![!-~])", re.I)
+_OF_FIGURES = b" \t\n\v\f\r0123456789+-.eE\0"
+#: Words that are numbers without figures for C's scanf, and for its atof.
+OF_SCANF = re.compile(rb"[+-]?(nan|inf|infinity)(?![!-~])", re.I)
+OF_ATOF = re.compile(rb"[+-]?(nan(\(\w*\))?|inf|infinity)(?![!-~])", re.I)
+_MOST_SHOWN = 40
+
+
+def word_at(text: np.ndarray, place: int) -> str:
+    """The word that begins there, as messages show it."""
+    return text[place : place + _MOST_SHOWN].tobytes().split()[0].decode(errors="replace")
+
+
+def no_number(path: Path, line: int, word: str) -> InputError:
+    """The error about a word that is none."""
+    return InputError(f"{path}: line {line}: '{word}' is no number; the file is damaged")
+
+
+def others_than(characters: bytes, text: np.ndarray) -> np.ndarray:
+    """Where the text has other characters than these."""
+    if not text.tobytes().translate(None, characters):  # faster than what follows
+        return np.zeros(0, dtype=np.int64)
+    is_other = np.ones(256, dtype=bool)
+    is_other[list(characters)] = False
+    return np.flatnonzero(is_other[text])
 
 
 def word_begins(text: np.ndarray) -> np.ndarray:
@@ -40,12 +64,20 @@ def whole_numbers(text: np.ndarray, places: np.ndarray) -> np.ndarray:
     return np.where(negative, -numbers, numbers)
 
 
-def number_kinds(text: np.ndarray, begins: np.ndarray) -> tuple[np.ndarray, int | None]:
-    """Of each word whether it is no fraction and has no exponent; and the first word that C's
-    scanf would not take for one number."""
+def number_kinds(
+    text: np.ndarray, begins: np.ndarray, without_figures: re.Pattern = OF_SCANF
+) -> tuple[np.ndarray, int | None]:
+    """Of each word whether it is no fraction and has no exponent; and the first word that C would
+    not take for one number."""
 
     def words_at(places: np.ndarray) -> np.ndarray:
         return np.searchsorted(begins, places, side="right") - 1
+
+    def have_figures(places: np.ndarray) -> np.ndarray:
+        return text[places] - np.uint8(_ZERO) < 10
+
+    def behind_signs(places: np.ndarray) -> np.ndarray:
+        return places + ((text[places] == _PLUS) | (text[places] == _MINUS))
 
     is_whole = np.ones(len(begins), dtype=bool)
     letters = text | _LOWER_CASE
@@ -54,10 +86,15 @@ def number_kinds(text: np.ndarray, begins: np.ndarray) -> tuple[np.ndarray, int 
     is_whole[owners] = False
     is_in_order = (text[marks[:-1]] == _POINT) & (letters[marks[1:]] == _EXPONENT)
     odd = [owners[1:][(owners[1:] == owners[:-1]) & ~is_in_order]]
+    exponents = marks[letters[marks] == _EXPONENT]
+    odd.append(words_at(exponents[~have_figures(behind_signs(exponents + 1))]))
     signs = np.flatnonzero((text == _PLUS) | (text == _MINUS))
     owners = words_at(signs)
     odd.append(owners[(begins[owners] != signs) & (letters[signs - 1] != _EXPONENT)])
-    others = np.unique(words_at(np.flatnonzero(_NO_FIGURE[text])))
-    odd.append([word for word in others if not _NOT_FINITE.match(text[begins[word] :][:40])])
-    found = np.concatenate(odd)
-    return is_whole, int(found.min()) if len(found) else None
+    odd.append(words_at(others_than(_OF_FIGURES, text)))
+    first = behind_signs(begins)
+    odd.append(np.flatnonzero(~have_figures(first + (text[first] == _POINT))))
+    for word in np.unique(np.concatenate(odd)):
+        if not without_figures.match(text[begins[word] :][:_MOST_SHOWN]):
+            return is_whole, int(word)
+    return is_whole, None

@@ -161,6 +161,7 @@ TEXTURED = OFF_VERTICES.replace("\n", " 0 1\n")
         OFF_TETRAHEDRON.replace("OFF\n", "OFF\t"),
         OFF_TETRAHEDRON.replace("0 0 0\n1 0 0\n", "0\n0 0 1\n# half of it\n0 0\n"),
         OFF_TETRAHEDRON.replace("3 0 2 1", "3\n0 2 1"),
+        OFF_TETRAHEDRON.replace("\n0 1 0\n0", "\n-.0 +1. 0e-5\n.0E+2"),
         OFF_TETRAHEDRON.replace("3 0 2 1", "3 0 2 1 255 0 0").replace("4 4 6", "4 4 6 # counts"),
         OFF_TETRAHEDRON.replace(OFF_VERTICES, COLORED).replace("OFF", "COFF"),
         OFF_TETRAHEDRON.replace(OFF_VERTICES, NORMAL).replace("OFF", "NOFF"),
@@ -185,6 +186,10 @@ def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
         ("3 0 3 2\n", "3 0 3\n", "a face of 3 corners names 2"),
         ("3 0 3 2\n", "+3 0 3 2\n", "a face has +3 corners"),
         ("4 4 6", "4 four 6", "declares four faces"),
+        ("0 1 0\n", "# a comment\n0 1,5 0\n", "line 6: '1,5' is no number"),
+        ("0 1 0\n", "0 1 0 red\n", "line 5: 'red' is no number"),
+        ("0 1 0\n", "0 - 0\n", "line 5: '-' is no number"),
+        ("0 1 0\n", "0 1_0 0\n", "line 5: '1_0' is no number"),
         ("3 1 2 3\n", "3\v0 1 2 900000000\n", "line 10 has control characters"),
         ("3 1 2 3\n", "3\r0 1 2 900000000\n", "line 10 has control characters"),
     ],
@@ -225,6 +230,54 @@ def test_control_characters_in_an_obj_are_refused(outcome, line, control):
 def test_control_characters_elsewhere_in_an_obj_do_no_harm(outcome):
     content = "# \1\f\n\0\n" + TETRAHEDRON + "g f\2\n" + "f 2 4 3\r\n\0\0\n"
     assert outcome("obj", content.encode()) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("v 0 1 0", "v 0 1,5 0", "line 3: '1,5' is no number"),
+        ("v 0 1 0", "  vt 0,5 0,5\nv 0 1 0", "line 3: '0,5' is no number"),
+        ("v 0 1 0", "vn 0 1,0 0\nv 0 1 0", "line 3: '1,0' is no number"),
+        ("v 0 1 0", "v 0 abc 0 # y?", "line 3: 'abc' is no number"),
+        ("v 0 1 0", "v 0 1 # 0", "line 3: '#' is no number"),
+        ("v 0 1 0", "v 0 1 0#", "line 3: '0#' is no number"),
+        ("v 0 1 0", "v 0 1 -1.#IND", "line 3: '-1.#IND' is no number"),
+        ("v 0 1 0", "v 0 1 0 1 0 red", "line 3: 'red' is no number"),
+        ("v 0 1 0", "v 0 \\\n1 \\\n0x", "line 3: '0x' is no number"),
+        ("v 0 1 0", "v 0 - 0", "line 3: '-' is no number"),
+        ("v 0 1 0", "v 0 -.e5 0", "line 3: '-.e5' is no number"),
+        ("v 0 1 0", "v 0 1e 0", "line 3: '1e' is no number"),
+        ("f 1 4 2", "f 1 4 2abc", "line 6: a face names '2abc'"),
+        ("f 1 4 2", "f 1 4.0 2", "line 6: a face names '4.0'"),
+        ("f 1 4 2", "f 1 4 1-2", "line 6: a face names '1-2'"),
+        ("f 1 4 2", "f 1 4/1,5 2", "line 6: a face names '4/1,5'"),
+        ("f 1 4 2", "f f1 4 2", "line 6: a face names 'f1'"),
+    ],
+)
+def test_words_in_an_obj_that_are_no_numbers_are_refused(outcome, old, new, complaint):
+    result = outcome("obj", TETRAHEDRON.replace(old, new).encode())
+    assert_refused(result)
+    assert complaint in result[1]
+
+
+@pytest.mark.parametrize(
+    "vertex",
+    [
+        "v -0.E+2 +1 .0",
+        "v\t0  1e-0 0. 1",
+        "v 0 1 0 255 0.5 1e-5",
+        "v 0 1 0 # 1,5",
+        "v 0 1 0 1 0 0 #red # or pink",
+        "v 0 \\\n1 0 # abc",
+        "vt .5 1 # 0,5\nv 0 1 0",
+        "vn nan -nan(ind) inf\nv 0 1 0",
+    ],
+)
+def test_numbers_of_an_obj_may_be_written_in_any_way(tmp_path, vertex):
+    path = tmp_path / "mesh.obj"
+    path.write_text(TETRAHEDRON.replace("v 0 1 0", vertex))
+    mesh_set = mesh_files.read_mesh(path)
+    assert mesh_set.current_mesh().vertex_matrix()[2].tolist() == [0, 1, 0]
 
 
 NORMALS = "vn 0 0 1\n" * 4
@@ -513,6 +566,9 @@ def test_triangle_strips_that_pymeshlab_would_follow_too_far_are_refused(
         ("0 1 0", "0 1-2 0", "line 10: '1-2' is no number"),
         ("0 1 0", "0 1e0.5 0", "line 10: '1e0.5' is no number"),
         ("0 1 0", "0 infinity2 0", "line 10: 'infinity2' is no number"),
+        ("0 1 0", "0 nan(ind) 0", "line 10: 'nan(ind)' is no number"),
+        ("0 1 0", "0 - 0", "line 10: '-' is no number"),
+        ("0 1 0", "0 1e+ 0", "line 10: '1e+' is no number"),
         ("3 0 1 3", "3 0 one 3", "line 12: 'one' is no number"),
         ("3 0 1 3", "3 0 1.0 3", "face 1 has a fraction"),
         ("3 0 1 3", "0000000000000000000003 0 1 3", "face 1 has"),
