@@ -90,7 +90,8 @@ def _whole(name: str, array: np.ndarray) -> np.ndarray:
     if len(bad):
         index = tuple(int(part) for part in bad[0])
         raise InputError(f"{name} must be whole numbers; the entry at {index} is {array[index]}")
-    return array
+    # Limits are beyond what 16 bits hold.
+    return array.astype(np.result_type(array, np.float32), copy=False)
 
 
 def as_single_precision(values: np.ndarray) -> np.ndarray:

@@ -310,6 +310,19 @@ def test_a_bad_option_is_refused_with_its_value(cube, options, message):
         spheroseg.segment(*cube, **options)
 
 
+def test_labels_and_faces_may_be_of_16_bits(cube):
+    vertices, faces = cube
+    labels = np.repeat(np.arange(3), 4)
+    halves = labels.astype(np.float16)
+    expected = spheroseg.measure(vertices, faces, labels)
+    np.testing.assert_equal(spheroseg.measure(vertices, faces, halves), expected)
+    result = spheroseg.segment(vertices, faces, initial_labels=halves)
+    assert result.measures["submesh_count"] == 3
+    many = np.pad(vertices, ((0, 70_000), (0, 0)))  # more than that type's largest number
+    measured = spheroseg.measure(many, faces.astype(np.float16), labels)
+    np.testing.assert_equal(measured, expected)
+
+
 @pytest.mark.parametrize(
     ("labels", "message"),
     [
