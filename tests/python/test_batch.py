@@ -1300,3 +1300,23 @@ def test_two_files_for_one_result_are_refused_with_the_remedy(tmp_path):
     assert "a_ply" not in str(refusal.value)
     for remedy in (tmp_path, tmp_path / "*" / "a.ply"):
         assert [source.name for source in inputs.collect([str(remedy)])] == ["one/a", "two/a"]
+
+
+@pytest.mark.parametrize(
+    ("files", "two"),
+    [
+        (["ok.obj", "ok.ply", "ok_obj.ply"], ["ok.obj", "ok_obj.ply"]),
+        (["a.PLY", "a.ply"], ["a.PLY", "a.ply"]),
+    ],
+)
+def test_where_suffixes_make_one_name_of_two_renaming_is_the_remedy(tmp_path, files, two):
+    for file in files:
+        (tmp_path / file).touch()
+    with pytest.raises(InputError) as refusal:
+        inputs.collect([str(tmp_path)])
+    assert str(refusal.value).startswith(" and ".join(str(tmp_path / file) for file in two))
+    assert "in the output folder; rename one of them; or use two output folders" in str(
+        refusal.value
+    )
+    (tmp_path / two[1]).rename(tmp_path / "other.ply")
+    assert len(inputs.collect([str(tmp_path)])) == len(files)

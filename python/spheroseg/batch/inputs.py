@@ -174,10 +174,15 @@ def _with_unique_names(sources: list[Source]) -> list[Source]:
     for source in named:
         other = first.setdefault(source.name, source)
         if other is not source:
+            remedy = "rename one of them"
+            if other.mesh.name == source.mesh.name:
+                remedy = (
+                    "to keep the folders in their names, give the folder above them or a glob in "
+                    "quotes"
+                )
             raise InputError(
-                f"{other.mesh} and {source.mesh} would have one name in the output folder; to keep "
-                "the folders in their names, give the folder above them or a glob in quotes; or "
-                "use two output folders"
+                f"{other.mesh} and {source.mesh} would have one name in the output folder; "
+                f"{remedy}; or use two output folders"
             )
     return named
 
