@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 
 namespace spheroseg {
 
@@ -53,14 +54,16 @@ std::vector<double> face_areas(const TriangleMesh& mesh) {
             largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
     }
+    // 0.5 over a number that is not normal may overflow.
+    const double lift = largest < std::numeric_limits<double>::min() ? 0x1p64 : 1.0;
     // Half of each: the difference of two of them must not overflow either.
-    const double scale = largest > 0.0 ? 0.5 / largest : 0.0;
+    const double scale = largest > 0.0 ? 0.5 / (largest * lift) : 0.0;
     std::vector<double> areas(mesh.faces.size());
     for (std::size_t f = 0; f < areas.size(); ++f) {
         const Triangle& face = mesh.faces[f];
-        const Vec3 p = mesh.positions[face[0]] * scale;
-        const Vec3 q = mesh.positions[face[1]] * scale;
-        const Vec3 r = mesh.positions[face[2]] * scale;
+        const Vec3 p = mesh.positions[face[0]] * lift * scale;
+        const Vec3 q = mesh.positions[face[1]] * lift * scale;
+        const Vec3 r = mesh.positions[face[2]] * lift * scale;
         areas[f] = 0.5 * length(cross(q - p, r - p));
     }
     return areas;

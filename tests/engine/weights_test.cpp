@@ -89,10 +89,13 @@ TEST(FaceWeights, AreasByHandAndWithoutOverflow) {
     EXPECT_DOUBLE_EQ(areas[0] / areas[2], 4.0);
     EXPECT_DOUBLE_EQ(areas[1] / areas[2], 2.0);
     EXPECT_EQ(areas[3], 0.0);
-    for (Vec3& p : mesh.positions) {
-        p = p * 4e307;
+    for (double scale : {4e307, 0x1p-1030, 0x1p-1073}) { // the last ones are not normal
+        TriangleMesh scaled = mesh;
+        for (Vec3& p : scaled.positions) {
+            p = p * scale;
+        }
+        EXPECT_DOUBLE_EQ(face_areas(scaled)[0] / areas[0], 1.0) << scale;
     }
-    EXPECT_DOUBLE_EQ(face_areas(mesh)[0] / areas[0], 1.0);
 }
 
 TEST(FaceWeights, AreasDoNotDependOnUnusedVertices) {
