@@ -7,7 +7,7 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 #include <vcg/complex/algorithms/update/selection.h>
 
-#include <QFileInfo>
+#include <QStringList>
 
 #include <algorithm>
 #include <numeric>
@@ -15,7 +15,15 @@
 namespace spheroseg {
 
 QString layer_name(const MeshModel& source, const QString& part) {
-    return (QFileInfo(source.label()).completeBaseName() + " " + part).trimmed();
+    static const QStringList suffixes = {"ply", "obj",  "qobj", "off", "stl",  "3ds", "dae", "ctm",
+                                         "glb", "gltf", "wrl",  "x3d", "x3dv", "vmi", "fbx", "u3d",
+                                         "e57", "pts",  "ptx",  "xyz", "gts",  "tri", "nxs", "nxz"};
+    QString name = source.label();
+    const int dot = name.lastIndexOf('.');
+    if (dot >= 0 && suffixes.contains(name.mid(dot + 1), Qt::CaseInsensitive)) {
+        name.truncate(dot);
+    }
+    return (name + " " + part).trimmed();
 }
 
 void copy_texture_images(const MeshModel& source, MeshModel& layer) {

@@ -14,8 +14,8 @@ namespace spheroseg {
 inline constexpr const char* kSourceVertex = "source_vertex";
 inline constexpr const char* kSourceFace = "source_face";
 
-/// Name of a layer that is `part` of `source`: behind the label of that without the file's
-/// extension, because MeshLab's list of layers shows a label only up to its first dot.
+/// Name of a layer that is `part` of `source`: behind the label of that without the suffix of a
+/// mesh file, because MeshLab's list of layers shows a label only up to its first dot.
 QString layer_name(const MeshModel& source, const QString& part);
 
 /// Gives the images of the source's textures to a layer that has their names already: MeshLab can

@@ -420,7 +420,17 @@ def test_calls_of_several_threads_wait_for_one_another(sample_arrays):
             assert np.array_equal(labels, expected)
 
 
-@pytest.mark.parametrize(("label", "prefix"), [("a.cow.obj", "a.cow "), ("", "")])
+@pytest.mark.parametrize(
+    ("label", "prefix"),
+    [
+        ("a.cow.obj", "a.cow "),
+        ("COW.PLY", "COW "),
+        ("", ""),
+        ("my.mesh v1.2 ä", "my.mesh v1.2 ä "),
+        ("my.mesh v1 18", "my.mesh v1 18 "),
+        ("a/b: 1.obj 3", "a/b: 1.obj 3 "),
+    ],
+)
 def test_layers_are_named_after_the_mesh(cube, label, prefix):
     mesh_set = pymeshlab.MeshSet()
     mesh_set.add_mesh(pymeshlab.Mesh(*cube))
