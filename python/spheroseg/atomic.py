@@ -46,14 +46,23 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
-    """Makes the folder and yields a function that writes a file there, atomically, under a name.
-    Where the block does not end well, files and folders that are new are removed."""
+def made_folder(folder: Path) -> Iterator[None]:
+    """Makes the folder. Where the block does not end well, folders that are new and empty are
+    removed."""
     with contextlib.ExitStack() as undo:
         for parent in (*reversed(folder.parents), folder):
             if not parent.exists():
                 undo.callback(_remove_empty, parent)
         folder.mkdir(parents=True, exist_ok=True)
+        yield
+        undo.pop_all()
+
+
+@contextlib.contextmanager
+def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
+    """Makes the folder and yields a function that writes a file there, atomically, under a name.
+    Where the block does not end well, files and folders that are new are removed."""
+    with made_folder(folder), contextlib.ExitStack() as undo:
 
         def write(name: str, data: bytes) -> None:
             path = folder / name

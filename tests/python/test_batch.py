@@ -400,6 +400,7 @@ def test_the_cores_of_this_process_are_shared_out_among_the_meshes(
     monkeypatch.setattr(cores, "_GROUPS", tmp_path / "no limits")
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)))
     monkeypatch.setattr(runner, "run_all", plan)
+    monkeypatch.setattr(runner, "cluster", contextlib.nullcontext)
     assert main(["batch", str(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
     assert planned == [(meshes, workers, {threads})]
 
@@ -1049,6 +1050,7 @@ def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "no Dask scheduler answers at carrier-pigeon" in said
     assert said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.ply"]
     assert main([*arguments, "-k", "2"]) == 0, "nothing was done, so that nothing is to be resumed"
 
 

@@ -286,6 +286,16 @@ def test_meshes_of_like_names_keep_their_own_files(tmp_path):
     assert len(list((output / "plots" / "iterations").rglob("*.svg"))) == 4
 
 
+def test_a_mesh_that_can_not_be_read_leaves_no_folder(tmp_path, capsys):
+    path = tmp_path / "cut.ply"
+    path.write_bytes(ply_bytes(*octahedron())[:-5])
+    (tmp_path / "there").mkdir()
+    for output in (tmp_path / "new" / "report", tmp_path / "there"):
+        assert evaluate(path, output, methods=("all_pairs",)) == 2
+        assert f"{path}: " in capsys.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == [path, tmp_path / "there"]
+
+
 def test_a_name_with_dollar_signs_is_no_formula():
     name = "price$_{1$"
     details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}

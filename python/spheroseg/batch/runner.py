@@ -136,10 +136,13 @@ def run_all(
     resume: bool,
     worker_count: int,
     on_hint: Callable[[str], None],
+    client: Any = None,
     scheduler: str | None = None,
 ) -> list[Record]:
     """Does the jobs that have no valid record yet; returns all records in the order of `jobs`. Of
     a mesh that fails now, earlier results are removed.
+
+    `client`: of `cluster`, with the address of its `scheduler`; without, they are done here.
 
     `on_record` gets each record as it comes, `on_hint` what holds the run up. Raises DiskFullError
     when a job finds the disk full; jobs that have not begun are left undone then, for a later run
@@ -156,8 +159,8 @@ def run_all(
             records[job.name] = record
             on_record(record)
     to_do = list(waiting.values())
-    if scheduler:
-        source = _on_dask(to_do, scheduler, on_hint)
+    if client is not None:
+        source = _on_dask(to_do, client, scheduler, on_hint)
     else:
         source = _on_this_machine(to_do, worker_count)
     try:
@@ -210,7 +213,13 @@ def _end_running(submitted: list[futures.Future]) -> None:
         time.sleep(0.05)
 
 
-def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) -> Iterator[Record]:
+@contextlib.contextmanager
+def cluster(scheduler: str | None) -> Iterator[Any]:
+    """A Dask client of the scheduler with this address, while the `with` block runs; None for none.
+    Raises InputError where no scheduler answers."""
+    if scheduler is None:
+        yield None
+        return
     from distributed import Client
     from distributed.comm import get_address_host_port
 
@@ -221,7 +230,13 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
         client = Client(scheduler, timeout="15s", set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(f"no Dask scheduler answers at {scheduler}: {error}") from None
+    with client:
+        yield client
 
+
+def _on_dask(
+    jobs: list[Job], client, scheduler: str, on_hint: Callable[[str], None]
+) -> Iterator[Record]:
     # A local function travels by value. One of this module would be imported by the scheduler,
     # where the package need not be, and where PyMeshLab, imported in a thread, aborts at exit.
     def run_on_worker(job: Record) -> Record:
@@ -237,38 +252,37 @@ def _on_dask(jobs: list[Job], scheduler: str, on_hint: Callable[[str], None]) ->
 
     # Clients of one scheduler that ask for one key all get the result of the first.
     batch = secrets.token_hex(8)
-    with client:
-        # A job is done again when its worker is lost; its results are the same, written whole.
-        submitted = {
-            client.submit(
-                run_on_worker,
-                asdict(job),
-                pure=False,
-                retries=3,
-                key=f"spheroseg-{batch}-{job.name}",
-            ): job
-            for job in jobs
-        }
-        try:
-            results = _ResultsOfCluster()
-            for future in _as_completed(client, list(submitted), on_idle):
-                job = submitted[future]
-                try:
-                    # None for one that is cancelled, as all are without a scheduler; its result
-                    # is an error then.
-                    error = future.exception()
-                    record = None if error else future.result()
-                except (futures.CancelledError, OSError):
-                    lost = f"the Dask scheduler at {scheduler} was lost, or has cancelled the work"
-                    yield finished_record(job) or undone_record(job, lost)
-                    continue
-                if error is None:
-                    yield results.checked(job, record)
-                else:
-                    message = one_line(f"{type(error).__name__}: {error}")
-                    yield failed_record(job, message)
-        finally:
-            client.cancel(list(submitted))
+    # A job is done again when its worker is lost; its results are the same, written whole.
+    submitted = {
+        client.submit(
+            run_on_worker,
+            asdict(job),
+            pure=False,
+            retries=3,
+            key=f"spheroseg-{batch}-{job.name}",
+        ): job
+        for job in jobs
+    }
+    try:
+        results = _ResultsOfCluster()
+        for future in _as_completed(client, list(submitted), on_idle):
+            job = submitted[future]
+            try:
+                # None for one that is cancelled, as all are without a scheduler; its result
+                # is an error then.
+                error = future.exception()
+                record = None if error else future.result()
+            except (futures.CancelledError, OSError):
+                lost = f"the Dask scheduler at {scheduler} was lost, or has cancelled the work"
+                yield finished_record(job) or undone_record(job, lost)
+                continue
+            if error is None:
+                yield results.checked(job, record)
+            else:
+                message = one_line(f"{type(error).__name__}: {error}")
+                yield failed_record(job, message)
+    finally:
+        client.cancel(list(submitted))
 
 
 def _as_completed(client, submitted: list, on_idle: Callable[[], None]) -> Iterator:

@@ -66,12 +66,15 @@ def run(arguments) -> int:
     _check_packages(arguments)
     jobs, workers = _jobs(arguments)
     lists = [Path(text) for text in arguments.inputs]
-    with runner.prepared_folder(folder, jobs, lists, arguments.resume):
+    with (
+        runner.cluster(arguments.scheduler) as client,  # where none answers, nothing is touched
+        runner.prepared_folder(folder, jobs, lists, arguments.resume),
+    ):
         atomic.remove_leftovers(folder)
-        return _run(arguments, jobs, workers)
+        return _run(arguments, jobs, workers, client)
 
 
-def _run(arguments, jobs: list[Job], workers: int) -> int:
+def _run(arguments, jobs: list[Job], workers: int, client) -> int:
     try:
         with MeshProgress("Segmenting", len(jobs)) as progress:
 
@@ -86,6 +89,7 @@ def _run(arguments, jobs: list[Job], workers: int) -> int:
                 resume=arguments.resume,
                 worker_count=workers,
                 on_hint=lambda hint: progress.say(f"spheroseg batch: {hint}"),
+                client=client,
                 scheduler=arguments.scheduler,
             )
         manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)

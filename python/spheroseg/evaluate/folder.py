@@ -49,11 +49,11 @@ def prepared(folder: Path, files: list[str]) -> Iterator[list[str]]:
     `with` block runs; yields the files of an earlier report there.
 
     Refuses a folder where another report is written, and one where one of the files is there
-    already and of no report.
+    already and of no report. Where the block does not end well, a new folder is removed if nothing
+    is left in it.
     """
     _check_free(folder, files)  # a refusal leaves nothing
-    folder.mkdir(parents=True, exist_ok=True)
-    with locked(folder, LOCK_NAME, "evaluation"):
+    with atomic.made_folder(folder), locked(folder, LOCK_NAME, "evaluation"):
         earlier = _listed(folder)
         atomic.remove_leftovers(folder)
         _write_list(folder, list(dict.fromkeys([*earlier, *files])))
