@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import base64
 import csv
+import gzip
 import json
 import math
 import os
@@ -294,6 +296,24 @@ def test_a_mesh_that_can_not_be_read_leaves_no_folder(tmp_path, capsys):
         assert evaluate(path, output, methods=("all_pairs",)) == 2
         assert f"{path}: " in capsys.readouterr().err
     assert sorted(tmp_path.rglob("*")) == [path, tmp_path / "there"]
+
+
+@pytest.mark.parametrize("scale", [1e200, 1e-310])
+def test_a_mesh_of_any_size_is_shown_alike(tmp_path, scale):
+    vertices, faces = bumpy_sphere(1, 0)
+    shown = []
+    for name, points in (("one", vertices), ("scaled", vertices * scale)):
+        path = tmp_path / f"{name}.ply"
+        path.write_bytes(ply_bytes(points, faces))
+        assert evaluate(path, tmp_path / name, methods=("all_pairs",)) == 0
+        page = (tmp_path / name / "report.html").read_text()
+        data = base64.b64decode(re.search(r'id="positions-0"[^>]*>([^<]+)<', page)[1])
+        positions = np.frombuffer(gzip.decompress(data), "<f4").reshape(-1, 3)
+        picture = (tmp_path / name / "pictures" / f"{name}-k5-all_pairs.png").read_bytes()
+        shown.append((positions, picture))
+    assert np.abs(shown[0][0]).max() == 1
+    assert np.allclose(shown[0][0], shown[1][0], rtol=0, atol=1e-6)
+    assert shown[0][1] == shown[1][1]
 
 
 def test_a_name_with_dollar_signs_is_no_formula():

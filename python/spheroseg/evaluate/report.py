@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from spheroseg import atomic
+from spheroseg.arrays import as_single_precision
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
 from spheroseg.evaluate.folder import PAGE, arrays_file, stem
@@ -134,8 +135,7 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
     for number, name in enumerate(dict.fromkeys(row["mesh"] for row in done)):
         with np.load(folder / arrays_file(name)) as arrays:
             vertices, faces = arrays["vertices"], arrays["faces"]
-        # Where the mesh lies is not drawn, and single precision might not hold its shape there.
-        vertices = vertices - vertices[faces[0, 0]]
+        vertices = _for_drawing(vertices, faces)
         graph = build_dual_graph(faces)
         labellings = []
         in_viewer = len(faces) <= viewer_limit
@@ -160,7 +160,7 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
                 labellings.append({"title": title} | _labelling(labels, colours, parts))
         if in_viewer:
             positions, corners = f"positions-{number}", f"corners-{number}"
-            blocks.append({"id": positions, "data": _packed(vertices, "<f4")})
+            blocks.append({"id": positions, "data": _packed(as_single_precision(vertices), "<f4")})
             blocks.append({"id": corners, "data": _packed(faces, "<u4")})
             title = f"{name} ({len(faces):,} triangles)"
             entry = {"title": title, "positions": positions, "corners": corners}
@@ -174,6 +174,15 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
         "blocks": blocks,
         "not_in_viewer": too_large,
     }
+
+
+def _for_drawing(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Without the mesh's place and size, which are not drawn: single precision might not hold the
+    shape there."""
+    with np.errstate(all="ignore"):  # for vertices that no face names
+        # Half of each: the difference of two of them must not overflow.
+        vertices = vertices / 2 - vertices[faces[0, 0]] / 2
+        return vertices / (np.abs(vertices[faces]).max() or 1)
 
 
 def _caption(row: dict) -> str:
