@@ -114,7 +114,7 @@ def _explained(path: Path, temporary: Path) -> Iterator[None]:
             raise DiskFullError(
                 error.errno, f"no room left on the disk for '{path}'; make room and run again"
             ) from error
-        if str(error.filename) == str(temporary):
+        if error.filename is None or str(error.filename) == str(temporary):
             error.filename = str(path)
         raise
 

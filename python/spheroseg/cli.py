@@ -15,6 +15,7 @@ is for work that was accepted and failed in part, such as one mesh of a batch.
 """
 
 import argparse
+import errno
 import importlib
 import io
 import os
@@ -141,7 +142,10 @@ def _run(argv: Sequence[str] | None) -> int:
     except BrokenPipeError:
         return EXIT_PIPE_CLOSED
     except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
+        name = error.filename
+        if name is None and error.errno == errno.ENOENT:
+            name = "the working folder"  # all others have names
+        where = f"{name}: " if name else ""
         return _report(program, f"{where}{error.strerror or error}")
     except MemoryError:
         return _report(

@@ -783,6 +783,37 @@ def test_a_refused_mesh_leaves_no_output(run, tmp_path):
     assert not any(path.exists() for path in outputs)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["segment", "-q", "--labels", "l.npy"], "l.npy"),
+        (["export", "-o", "a.glb"], "a.glb"),
+        (["split", "-o", "s"], "s/submesh_0000.ply"),
+    ],
+)
+def test_a_file_that_may_not_be_so_large_is_named(arguments, name, tmp_path):
+    done = run_shell(f'cd "{tmp_path}"; ulimit -f 1; "$@"', *arguments, LEAF, "-k", 2)
+    expected = f"spheroseg {arguments[0]}: {name}: File too large\n"
+    assert (done.returncode, done.stderr) == (2, expected)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_working_folder_that_is_gone_is_said(tmp_path):
+    line = f'cd "{tmp_path}"; rmdir "{tmp_path}"; "$@"'
+    done = run_shell(line, "segment", CUBE, "-k", 2, "-q", "-o", "x.ply")
+    expected = "spheroseg segment: the working folder: No such file or directory\n"
+    assert (done.returncode, done.stderr) == (2, expected)
+
+
+def test_values_are_never_cut(run, monkeypatch, tmp_path):
+    labels = tmp_path / "labels.txt"
+    labels.write_text(11 * "0\n" + "1\n")
+    wide = run("measure", CUBE, "--labels", labels)
+    monkeypatch.setenv("COLUMNS", "20")
+    assert run("measure", CUBE, "--labels", labels) == wide
+    assert wide[0] == 0
+
+
 def shown_on_a_terminal(*arguments, **variables) -> tuple[list[str], bytes]:
     """Each state of the bar that a command draws on stderr, without colours, and its output."""
     controller, terminal = pty.openpty()

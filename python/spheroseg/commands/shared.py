@@ -18,6 +18,7 @@ from spheroseg.errors import InputError
 from spheroseg.file_checks import check_name
 from spheroseg.progress import filter_progress
 
+_WIDER_THAN_MEASURES = 200
 _LABEL_SUFFIXES = (".npy", ".txt")
 
 
@@ -117,7 +118,7 @@ def print_measures(measures: dict[str, Any]) -> None:
     for key, value in measures.items():
         if not isinstance(value, np.ndarray):
             table.add_row(key, _shown(value))
-    console = Console()
+    console = Console(width=_WIDER_THAN_MEASURES)  # a narrow one would cut values
     with console.capture() as shown:
         console.print(table)
     # By Python, as the console would end the program where nobody reads.
