@@ -39,8 +39,8 @@ public:
         for (int f = 0; f < patchwork.face_count(); ++f) {
             patchwork.set_own_label(f, marks_[f] / 2);
         }
-        patchwork.tell_neighbors(thread_count);
         patchwork.load.resize(submesh_count);
+        patchwork.tell_neighbors(thread_count);
         sum_loads(patchwork);
     }
 

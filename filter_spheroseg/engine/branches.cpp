@@ -75,12 +75,18 @@ bool Branches::close_fans(int from, int to, std::size_t max_faces) {
 bool Branches::close_vertex(int face, int corner, int from, int to) {
     int from_ends = 0;
     int to_ends = 0;
-    for_each_around(patchwork_, face, corner, [&](int other, int at) {
-        const int label = patchwork_.label(other);
-        from_ends += label == from ? fan_ends(patchwork_, other, at) : 0;
-        to_ends += label == to ? fan_ends(patchwork_, other, at) : 0;
+    if (is_counted(patchwork_, face, corner, from) && is_counted(patchwork_, face, corner, to)) {
+        from_ends = share_at(patchwork_, face, corner, from).ends;
+        to_ends = share_at(patchwork_, face, corner, to).ends;
         ++work_;
-    });
+    } else {
+        for_each_around(patchwork_, face, corner, [&](int other, int at) {
+            const int label = patchwork_.label(other);
+            from_ends += label == from ? fan_ends(patchwork_, other, at) : 0;
+            to_ends += label == to ? fan_ends(patchwork_, other, at) : 0;
+            ++work_;
+        });
+    }
     if (from_ends <= 2 && to_ends <= 2) {
         return true;
     }

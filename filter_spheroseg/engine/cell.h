@@ -8,6 +8,8 @@
 
 #include "host_device.h"
 
+#include <initializer_list>
+
 namespace spheroseg {
 
 /// The label across a side on an open border.
@@ -115,6 +117,23 @@ walk_around(const Patches& patches, int face, int corner, bool stop_at_border, V
         }
     }
     return true;
+}
+
+/// Calls `visit(face, corner)` for all corners at the vertex at `corner` of `face`, itself
+/// included. `Links` is a mesh that need not be labelled.
+template <typename Links, typename Visit>
+void for_each_around(const Links& mesh, int face, int corner, Visit visit) {
+    visit(face, corner);
+    for (int exit : {corner, previous_corner(corner)}) {
+        Step step{face, corner, exit};
+        while (mesh.neighbor(step.face, step.exit) >= 0) {
+            step = mesh.step_from(step);
+            if (step.face == face) {
+                return;
+            }
+            visit(step.face, step.at);
+        }
+    }
 }
 
 /// No face around the vertex, other than `face`, has `label`.

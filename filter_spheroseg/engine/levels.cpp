@@ -43,6 +43,24 @@ std::array<NeighborSide, 3> sides_of(const LinkedTriangle& triangle,
     return sides;
 }
 
+/// The hubs of a level, looked for only if a vertex has enough faces: to count these takes far less
+/// time.
+template <typename TriangleOf>
+std::shared_ptr<const Hubs> hubs_of(const std::vector<std::array<NeighborSide, 3>>& sides,
+                                    const TriangleOf& triangle_of) {
+    std::vector<int> degrees;
+    int most = 0;
+    for (int f = 0; f < static_cast<int>(sides.size()); ++f) {
+        for (int v : triangle_of(f)) {
+            if (v >= static_cast<int>(degrees.size())) {
+                degrees.resize(v + 1, 0);
+            }
+            most = std::max(most, ++degrees[v]);
+        }
+    }
+    return most > Hubs::kMostWalked ? find_hubs(sides) : nullptr;
+}
+
 std::vector<int> inverse(const std::vector<int>& order, std::size_t size) {
     std::vector<int> place(size);
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -122,6 +140,8 @@ public:
                 result.levels[l + 1].closes_holes |= undo(--round);
             }
             result.levels[l].sides = link(orders[l]);
+            result.levels[l].hubs =
+                hubs_of(result.levels[l].sides, [&](int i) { return cells_[orders[l][i]].vertex; });
             orders.pop_back();
         }
         return result;
@@ -418,6 +438,8 @@ build_finest_level(const TriangleMesh& mesh, const DualGraph& dual_graph, int th
             sides[i] = sides_of(triangle_of(result.face_at[i]), triangle_of, place);
         }
     });
+    result.levels.front().hubs =
+        hubs_of(sides, [&](int i) { return mesh.faces[result.face_at[i]]; });
     return result;
 }
 

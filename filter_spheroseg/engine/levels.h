@@ -3,6 +3,7 @@
 
 #include "cell.h"
 #include "hierarchy.h"
+#include "hubs.h"
 
 #include <array>
 #include <vector>
@@ -17,6 +18,8 @@ struct Level {
     std::vector<int> begin;
     /// Are holes closed here that the next finer level has?
     bool closes_holes = false;
+    /// Null without any.
+    std::shared_ptr<const Hubs> hubs;
 
     int cell_count() const { return static_cast<int>(sides.size()); }
     int begin_of(int cell) const { return begin.empty() ? cell : begin[cell]; }

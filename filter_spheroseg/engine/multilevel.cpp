@@ -51,6 +51,7 @@ Patchwork Multilevel::coarsen(int min_face_count, int submesh_count, int thread_
     const Level& level = level_with(min_face_count);
     Patchwork patchwork;
     patchwork.cells.resize(level.cell_count());
+    patchwork.hubs = level.hubs;
     patchwork.load.assign(submesh_count, 0);
     patchwork.load[0] = total_weight();
     const int threads = threads_for(thread_count, level.cell_count(), kFacesPerThread);
@@ -81,6 +82,7 @@ bool Multilevel::uncoarsen(Patchwork& patchwork, int thread_count) const {
     const std::vector<int> labels = cell_labels(patchwork);
     std::vector<Cell>().swap(patchwork.cells); // gives the memory back before it takes more
     patchwork.cells.resize(finer.cell_count());
+    patchwork.hubs = finer.hubs;
     const int threads = threads_for(thread_count, finer.cell_count(), kFacesPerThread);
     for_each_share(level.cell_count(), threads, [&](int begin, int end) {
         int cell = finer.first_cell_from(level.begin[begin]);

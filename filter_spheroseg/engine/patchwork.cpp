@@ -18,6 +18,50 @@ void Patchwork::tell_neighbors(int thread_count) {
             }
         }
     });
+    if (hubs) {
+        count_at_hubs();
+    }
+}
+
+void Patchwork::pass_at_hubs(int face, int new_label) {
+    const int old_label = label(face);
+    for (int c = 0; c < 3; ++c) {
+        const int hub = hubs->at[face][c];
+        if (hub == Hubs::kNone) {
+            continue;
+        }
+        // A side between two faces of a label is no end, and becomes one when one of them leaves.
+        HubShare left{hub, -1, 0};
+        HubShare joined{hub, 1, 0};
+        for (int side : {c, previous_corner(c)}) {
+            left.ends += label_across(face, side) == old_label ? 1 : -1;
+            joined.ends += label_across(face, side) == new_label ? -1 : 1;
+        }
+        hub_shares.add(old_label, left);
+        hub_shares.add(new_label, joined);
+    }
+}
+
+void Patchwork::count_at_hubs() {
+    hub_shares.begin(submesh_count());
+    for (int f = 0; f < face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            if (const int hub = hubs->at[f][c]; hub != Hubs::kNone) {
+                hub_shares.add(label(f), {hub, 1, fan_ends(*this, f, c)});
+            }
+        }
+    }
+}
+
+bool no_label_around_hub(const Patchwork& patchwork, int face, int corner, int label) {
+    const int own = patchwork.label(face) == label;
+    return share_at(patchwork, face, corner, label).faces == own;
+}
+
+bool all_label_around_hub(const Patchwork& patchwork, int face, int corner, int label) {
+    const Hubs::Hub& hub = patchwork.hubs->hubs[patchwork.hubs->at[face][corner]];
+    const int others = hub.face_count - (patchwork.label(face) != label);
+    return hub.is_closed && share_at(patchwork, face, corner, label).faces == others;
 }
 
 bool may_join(const Patchwork& patchwork, int face, int to) {

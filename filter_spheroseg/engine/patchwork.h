@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "hubs.h"
 #include "moves.h"
 
 #include <algorithm>
@@ -25,6 +26,9 @@ struct Patchwork {
     bool may_close_rings = true;
     /// The last repair left sub-meshes that are not edge-connected, or have a bowtie.
     bool may_be_unsound = false;
+    /// Null on most meshes: their vertices have few faces.
+    std::shared_ptr<const Hubs> hubs;
+    HubShares hub_shares;
 
     int face_count() const { return static_cast<int>(cells.size()); }
     int submesh_count() const { return static_cast<int>(load.size()); }
@@ -43,6 +47,9 @@ struct Patchwork {
     }
 
     void set_label(int face, int new_label) {
+        if (hubs) {
+            pass_at_hubs(face, new_label);
+        }
         Cell& cell = cells[face];
         write(cell.label, new_label);
         for (NeighborSide side : cell.side) {
@@ -58,25 +65,37 @@ struct Patchwork {
     void tell_neighbors(int thread_count = 1);
 
 private:
+    /// Keeps the shares in step with a label that is about to be set.
+    void pass_at_hubs(int face, int new_label);
+    void count_at_hubs();
+
     static int read(const int& label) { return __atomic_load_n(&label, __ATOMIC_RELAXED); }
     static void write(int& label, int value) { __atomic_store_n(&label, value, __ATOMIC_RELAXED); }
 };
 
-/// Calls `visit(face, corner)` for all corners at the vertex at `corner` of `face`, itself
-/// included.
-template <typename Visit>
-void for_each_around(const Patchwork& patchwork, int face, int corner, Visit visit) {
-    visit(face, corner);
-    for (int exit : {corner, previous_corner(corner)}) {
-        Step step{face, corner, exit};
-        while (patchwork.neighbor(step.face, step.exit) >= 0) {
-            step = patchwork.step_from(step);
-            if (step.face == face) {
-                return;
-            }
-            visit(step.face, step.at);
-        }
-    }
+/// Is the vertex a hub where the shares of `label` are counted?
+inline bool is_counted(const Patchwork& patchwork, int face, int corner, int label) {
+    return patchwork.hubs && patchwork.hubs->at[face][corner] != Hubs::kNone &&
+        patchwork.hub_shares.counts(label);
+}
+
+/// What a label has at a hub where it is counted.
+inline HubShare share_at(const Patchwork& patchwork, int face, int corner, int label) {
+    return patchwork.hub_shares.find(label, patchwork.hubs->at[face][corner]);
+}
+bool no_label_around_hub(const Patchwork& patchwork, int face, int corner, int label);
+bool all_label_around_hub(const Patchwork& patchwork, int face, int corner, int label);
+
+/// The tests of cell.h, which need not walk around a hub: moves.h takes these for a Patchwork.
+inline bool no_label_around(const Patchwork& patchwork, int face, int corner, int label) {
+    return is_counted(patchwork, face, corner, label)
+        ? no_label_around_hub(patchwork, face, corner, label)
+        : no_label_around<Patchwork>(patchwork, face, corner, label);
+}
+inline bool all_label_around(const Patchwork& patchwork, int face, int corner, int label) {
+    return is_counted(patchwork, face, corner, label)
+        ? all_label_around_hub(patchwork, face, corner, label)
+        : all_label_around<Patchwork>(patchwork, face, corner, label);
 }
 
 /// A corner of a face.

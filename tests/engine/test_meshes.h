@@ -118,6 +118,47 @@ inline TriangleMesh bipyramid(int valence) {
     return mesh;
 }
 
+/// Cylinder of `side_count` sides along z with caps that are fans around a vertex each. 4 *
+/// side_count faces, or without the upper cap 3 * side_count and an open border.
+inline TriangleMesh capped_cylinder(int side_count, bool has_upper_cap = true) {
+    TriangleMesh mesh;
+    for (double z : {0.0, 2.0}) {
+        for (int i = 0; i < side_count; ++i) {
+            const double angle = 2.0 * kPi * i / side_count;
+            mesh.positions.push_back({std::cos(angle), std::sin(angle), z});
+        }
+    }
+    const int lower = 2 * side_count;
+    mesh.positions.push_back({0, 0, 0});
+    if (has_upper_cap) {
+        mesh.positions.push_back({0, 0, 2});
+    }
+    for (int i = 0; i < side_count; ++i) {
+        const int next = (i + 1) % side_count;
+        mesh.faces.push_back({i, next, side_count + i});
+        mesh.faces.push_back({next, side_count + next, side_count + i});
+        mesh.faces.push_back({next, i, lower});
+        if (has_upper_cap) {
+            mesh.faces.push_back({side_count + i, side_count + next, lower + 1});
+        }
+    }
+    return mesh;
+}
+
+/// Faces in a row around vertex 0, which lies on the open border.
+inline TriangleMesh open_fan(int face_count) {
+    TriangleMesh mesh;
+    mesh.positions.push_back({0, 0, 0});
+    for (int i = 0; i <= face_count; ++i) {
+        const double angle = kPi * i / face_count;
+        mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.0});
+    }
+    for (int i = 1; i <= face_count; ++i) {
+        mesh.faces.push_back({0, i, i + 1});
+    }
+    return mesh;
+}
+
 /// Tetrahedron with `split_count` vertices added, each inside a random face (`nested`: inside the
 /// face made last), very near to one of its edges: slivers, nested separating triangles and
 /// vertices of high valence. 4 + 2 * split_count faces.

@@ -58,6 +58,13 @@ TEST(AllThreads, FastAmongHoles) {
     expect_same_labels(options, pinholed(large_mesh(), 20));
 }
 
+// Two vertices that all groups of sub-meshes share.
+TEST(AllThreads, FastAroundHubs) {
+    SegmentOptions options = short_options(2000);
+    options.effort = Effort::draft;
+    expect_same_labels(options, bipyramid(4000));
+}
+
 TEST(AllThreads, FastOfManySubmeshes) {
     SegmentOptions options = short_options(1000);
     options.max_refinement_iterations = 20;
