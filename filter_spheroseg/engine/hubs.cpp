@@ -36,15 +36,15 @@ std::shared_ptr<const Hubs> find_hubs(const std::vector<std::array<NeighborSide,
             }
             Hubs::Hub hub{0, true};
             for_each_around(faces, f, c, [&](int face, int corner) {
+                found->at[face][corner] = Hubs::kNone;
                 ++hub.face_count;
                 hub.is_closed &=
                     sides[face][corner] >= 0 && sides[face][previous_corner(corner)] >= 0;
             });
-            const bool is_hub = hub.face_count > Hubs::kMostWalked;
-            const int number = is_hub ? static_cast<int>(found->hubs.size()) : Hubs::kNone;
-            for_each_around(
-                faces, f, c, [&](int face, int corner) { found->at[face][corner] = number; });
-            if (is_hub) {
+            if (hub.face_count > Hubs::kMostWalked) {
+                const auto number = static_cast<int>(found->hubs.size());
+                for_each_around(
+                    faces, f, c, [&](int face, int corner) { found->at[face][corner] = number; });
                 found->hubs.push_back(hub);
             }
         }
