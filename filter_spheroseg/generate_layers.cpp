@@ -17,7 +17,8 @@ namespace spheroseg {
 QString layer_name(const MeshModel& source, const QString& part) {
     static const QStringList suffixes = {"ply", "obj",  "qobj", "off", "stl",  "3ds", "dae", "ctm",
                                          "glb", "gltf", "wrl",  "x3d", "x3dv", "vmi", "fbx", "u3d",
-                                         "e57", "pts",  "ptx",  "xyz", "gts",  "tri", "nxs", "nxz"};
+                                         "e57", "pts",  "apts", "ptx", "xyz",  "asc", "txt", "gts",
+                                         "tri", "bre",  "nxs",  "nxz", "3mf",  "dxf"};
     QString name = source.label();
     const int dot = name.lastIndexOf('.');
     if (dot >= 0 && suffixes.contains(name.mid(dot + 1), Qt::CaseInsensitive)) {

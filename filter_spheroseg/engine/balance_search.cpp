@@ -39,10 +39,8 @@ bool BalanceSearch::pass_faces() {
 }
 
 void BalanceSearch::pass_branches(const Deadline& limit) {
-    const bool are_large = mean_load(patchwork_) >= kLargeSubmesh;
-    if (are_large && start_ < kStartsWithBranches && is_stuck(patchwork_)) {
-        anneal_branches(
-            patchwork_, schedules_.branches(patchwork_, seed_ + 3000), &limit, progress_);
+    if (may_pass_branches() && is_stuck(patchwork_)) {
+        pass_branches_until(limit, seed_ + 3000);
     }
 }
 
@@ -59,15 +57,30 @@ bool BalanceSearch::search() {
     for (int i = 0;
          i < kTries && !balanced && !is_hopeless_ && cuts_left_ > 0 && !deadline_.expired();
          ++i) {
-        // With a strong pull towards balance, whatever the time limit.
-        const AnnealSchedule schedule =
-            schedules_.shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
-        AnnealControl control;
-        control.progress = progress_;
-        anneal(patchwork_, schedule, control);
+        const auto number = static_cast<std::uint64_t>(i);
+        if (may_pass_branches() && i % 2 == 0) {
+            pass_branches_until(deadline_, seed_ + 3001 + number);
+        } else {
+            shake(seed_ + 1000 + number);
+        }
         balanced = pass_or_recut();
     }
     return balanced;
+}
+
+bool BalanceSearch::may_pass_branches() const {
+    return mean_load(patchwork_) >= kLargeSubmesh && start_ < kStartsWithBranches;
+}
+
+void BalanceSearch::pass_branches_until(const Deadline& limit, std::uint64_t seed) {
+    anneal_branches(patchwork_, schedules_.branches(patchwork_, seed), &limit, progress_);
+}
+
+/// With a strong pull towards balance, whatever the time limit.
+void BalanceSearch::shake(std::uint64_t seed) {
+    AnnealControl control;
+    control.progress = progress_;
+    anneal(patchwork_, schedules_.shaking(seed), control);
 }
 
 bool BalanceSearch::pass_or_recut() {

@@ -31,12 +31,16 @@ public:
     void pass_branches(const Deadline& limit);
     /// As far as another start would not take less time.
     bool balance_initial_labels();
-    /// Passes faces, cuts regions anew, and shakes the boundaries to try both again.
+    /// Passes faces and cuts regions anew; to try both again, in the first starts passes whole
+    /// branches of large sub-meshes in every other try, and else shakes the boundaries.
     bool search();
     /// Did `search` leave so much off that only another kind of start is worth a try?
     bool is_hopeless() const { return is_hopeless_; }
 
 private:
+    bool may_pass_branches() const;
+    void pass_branches_until(const Deadline& limit, std::uint64_t seed);
+    void shake(std::uint64_t seed);
     bool pass_or_recut();
     bool recut();
 
