@@ -43,8 +43,9 @@ std::array<NeighborSide, 3> sides_of(const LinkedTriangle& triangle,
     return sides;
 }
 
-/// The hubs of a level, looked for only if a vertex has enough faces: to count these takes far less
-/// time.
+/// The hubs of a level, looked for only if a vertex has enough faces. `triangle_of(f)` are the
+/// vertices of face f, in any order of the faces: in that of memory counting takes far less time
+/// than the search.
 template <typename TriangleOf>
 std::shared_ptr<const Hubs> hubs_of(const std::vector<std::array<NeighborSide, 3>>& sides,
                                     const TriangleOf& triangle_of) {
@@ -141,7 +142,7 @@ public:
             }
             result.levels[l].sides = link(orders[l]);
             result.levels[l].hubs =
-                hubs_of(result.levels[l].sides, [&](int i) { return cells_[orders[l][i]].vertex; });
+                hubs_of(result.levels[l].sides, [&](int cell) { return cells_[cell].vertex; });
             orders.pop_back();
         }
         return result;
@@ -438,8 +439,7 @@ build_finest_level(const TriangleMesh& mesh, const DualGraph& dual_graph, int th
             sides[i] = sides_of(triangle_of(result.face_at[i]), triangle_of, place);
         }
     });
-    result.levels.front().hubs =
-        hubs_of(sides, [&](int i) { return mesh.faces[result.face_at[i]]; });
+    result.levels.front().hubs = hubs_of(sides, [&](int face) { return mesh.faces[face]; });
     return result;
 }
 

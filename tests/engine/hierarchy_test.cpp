@@ -429,13 +429,6 @@ std::pair<int, int> unoriented_topology_of(const TriangleMesh& mesh) {
     return {vertices - static_cast<int>(edges.size()) + mesh.face_count(), border_edges};
 }
 
-TriangleMesh with_turned_faces(TriangleMesh mesh, int every) {
-    for (int f = 0; f < mesh.face_count(); f += every) {
-        std::swap(mesh.faces[f][0], mesh.faces[f][1]);
-    }
-    return mesh;
-}
-
 TEST(Hierarchy, ShortensBordersAlongWhichFacesAreTurned) {
     struct Case {
         TriangleMesh mesh;
@@ -447,7 +440,7 @@ TEST(Hierarchy, ShortensBordersAlongWhichFacesAreTurned) {
          {Case{test::moebius_strip(60, 5), 0, 40},
           Case{test::moebius_strip(300, 1), 0, 12},
           Case{test::subdivide(test::moebius_strip(100, 1)), 0, 20},
-          Case{with_turned_faces(test::open_grid(20), 79), 1, 150}}) {
+          Case{test::with_turned_faces(test::open_grid(20), 79), 1, 150}}) {
         const CollapseHierarchy hierarchy = hierarchy_of(mesh);
         test::Replay replay(hierarchy, mesh.face_count());
         EXPECT_LE(replay.living_mesh(mesh.vertex_count()).face_count(), most_left);

@@ -26,14 +26,6 @@ TriangleMesh joined_bipyramid(int valence) {
     return mesh;
 }
 
-/// Every third face the other way round.
-TriangleMesh turned(TriangleMesh mesh) {
-    for (int f = 0; f < mesh.face_count(); f += 3) {
-        std::swap(mesh.faces[f][1], mesh.faces[f][2]);
-    }
-    return mesh;
-}
-
 /// Hubs inside, on a border, some of them neighbours, and where the faces have no common
 /// orientation.
 std::vector<TriangleMesh> meshes_with_hubs() {
@@ -42,7 +34,7 @@ std::vector<TriangleMesh> meshes_with_hubs() {
             capped_cylinder(135, false),
             open_fan(150),
             joined_bipyramid(140),
-            turned(capped_cylinder(132))};
+            with_turned_faces(capped_cylinder(132), 3)};
 }
 
 /// What is counted at hubs, and the tests that use it, are what walks around the vertices find.

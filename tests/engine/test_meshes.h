@@ -159,6 +159,14 @@ inline TriangleMesh open_fan(int face_count) {
     return mesh;
 }
 
+/// Every `every`-th face the other way round, from the first one on: no common orientation.
+inline TriangleMesh with_turned_faces(TriangleMesh mesh, int every) {
+    for (int f = 0; f < mesh.face_count(); f += every) {
+        std::swap(mesh.faces[f][0], mesh.faces[f][1]);
+    }
+    return mesh;
+}
+
 /// Tetrahedron with `split_count` vertices added, each inside a random face (`nested`: inside the
 /// face made last), very near to one of its edges: slivers, nested separating triangles and
 /// vertices of high valence. 4 + 2 * split_count faces.
