@@ -3,7 +3,8 @@
 .PHONY: help demo report bench test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
 	test-style test-engine test-sanitize test-race fuzz test-plugin test-python test-gui test-hosts
 
-PYTHON := .venv/bin/python
+# Not PYTHON: that names the interpreter of which scripts/setup.sh makes .venv.
+VENV_PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
 GUI_ROOT := $(or $(SPHEROSEG_GUI_ROOT),$(CURDIR)/.cache/meshlab-root)
 CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp' 'filter_spheroseg/*.cu' \
@@ -42,27 +43,27 @@ plugin-gui: setup-run
 	cmake --build build/gui --parallel $(JOBS)
 
 install-gui: plugin-gui
-	$(PYTHON) -m spheroseg install-plugin $(INSTALL_ARGUMENTS)
+	$(VENV_PYTHON) -m spheroseg install-plugin $(INSTALL_ARGUMENTS)
 
 gui-root:
 	@scripts/setup.sh gui
 	@SPHEROSEG_GUI_ROOT=$(GUI_ROOT) scripts/gui_root.sh
 
 demo: plugin
-	$(PYTHON) -m spheroseg.demo out/demo
+	$(VENV_PYTHON) -m spheroseg.demo out/demo
 
 # PyMeshLab's samples and ours; with REPORT_MESHES, a folder, also what is in there.
 REPORT_MESHES ?= $(wildcard ../shared/meshes)
 report: setup plugin
-	$(PYTHON) -m spheroseg evaluate sample_meshes $(REPORT_MESHES) \
-		$(addprefix $(shell $(PYTHON) -c 'import pymeshlab; print(pymeshlab.__path__[0])')/tests/sample_meshes/,\
+	$(VENV_PYTHON) -m spheroseg evaluate sample_meshes $(REPORT_MESHES) \
+		$(addprefix $(shell $(VENV_PYTHON) -c 'import pymeshlab; print(pymeshlab.__path__[0])')/tests/sample_meshes/,\
 			cow.obj airplane.obj bone.ply bunny.obj) \
 		-o out/report -k 20 200
 
 # BENCH holds options, as in: make bench BENCH="--meshes cow,bunny --k 200" (see --help).
 # docs/benchmarks.md is written anew once there is a sweep, too: make bench BENCH=--validity-sweep
 bench: setup plugin
-	$(PYTHON) -m spheroseg.bench $(BENCH)
+	$(VENV_PYTHON) -m spheroseg.bench $(BENCH)
 
 # In tests warnings are errors. In all builds, as objects are shared between equal options only.
 test test-gui: WARNINGS := -DSPHEROSEG_WERROR=ON
@@ -97,7 +98,7 @@ FUZZ_SECONDS ?= 600
 fuzz: setup
 	cmake --preset fuzz
 	cmake --build build/fuzz --parallel $(JOBS) --target segment_fuzzer
-	$(PYTHON) tests/fuzz/corpus.py unpack tests/fuzz/corpus.txt out/fuzz/corpus
+	$(VENV_PYTHON) tests/fuzz/corpus.py unpack tests/fuzz/corpus.txt out/fuzz/corpus
 	OMP_WAIT_POLICY=passive LSAN_OPTIONS=suppressions=tests/engine/lsan.supp \
 		build/fuzz/tests/fuzz/segment_fuzzer out/fuzz/corpus -artifact_prefix=out/fuzz/ \
 		-max_len=200 -timeout=120 -max_total_time=$(FUZZ_SECONDS) $(FUZZ_ARGUMENTS)
@@ -109,14 +110,14 @@ test-plugin: setup
 
 # Most of these tests wait for processes: with pytest-xdist one module runs while another waits.
 test-python: test-plugin
-	$(PYTHON) -m pytest -n $(JOBS) --dist loadscope
+	$(VENV_PYTHON) -m pytest -n $(JOBS) --dist loadscope
 
 test-gui: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) -m pytest -n $(JOBS) tests/gui
+	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(VENV_PYTHON) -m pytest -n $(JOBS) tests/gui
 
 # The screenshots of docs/meshlab.md; their originals stay in out/gui/docs.
 docs-pictures: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(PYTHON) tests/gui/docs_pictures.py
+	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(VENV_PYTHON) tests/gui/docs_pictures.py
 
 # Not part of `make test`: the same sources in the PyMeshLab releases before this one.
 test-hosts: setup
