@@ -43,8 +43,8 @@ public:
     }
 
 private:
-    // While a disk grows, faces that may still join sub-mesh l have the label -3 - l; -2 is what
-    // lies across an open border.
+    // While a disk grows, a face that may still join sub-mesh l has the label -3 - l, below -1
+    // (unassigned) and -2 (kOpenBorder).
     static int candidate(int label) { return -3 - label; }
 
     /// The face of a sub-mesh that is farthest from its boundary, of the component where that is

@@ -9,12 +9,13 @@
 
 namespace spheroseg {
 
-/// The vertices of a mesh with more than kMostWalked faces around them: the middles of caps of
-/// cylinders, the tips of cones. To walk around one for each proposal would take far longer than
-/// all the rest; what is asked about it is counted instead (HubShares).
+/// The vertices of a mesh with more than kMostWalked faces around them, such as the middle of a
+/// cylinder's cap or the tip of a cone. Walking around one for each proposed move would take far
+/// longer than everything else; the numbers that decide about a move are counted instead
+/// (HubShares).
 struct Hubs {
-    /// Around 100 faces counting takes as long as it saves: 7 % less where sub-meshes have three
-    /// faces, 11 % more where they have hundreds.
+    /// At about 100 faces both ways take equally long: counting saves 7 % where sub-meshes have
+    /// three faces, and costs 11 % where they have hundreds.
     static constexpr int kMostWalked = 128;
     static constexpr int kNone = -1;
 
@@ -52,13 +53,15 @@ public:
         }
     }
 
-    /// Others have no shares.
+    /// Are shares kept of this label? Not of kOpenBorder, -1 and other labels that stand for no
+    /// sub-mesh.
     bool counts(int label) const {
         return label >= 0 && label < static_cast<int>(of_label_.size());
     }
 
+    /// The share of a label that is counted; without faces where it has none.
     HubShare find(int label, int hub) const;
-    /// Of a label that is not counted nothing is kept.
+    /// Adds the numbers in `change` to the share of `label`, if it is counted.
     void add(int label, const HubShare& change);
 
 private:

@@ -17,17 +17,18 @@ namespace spheroseg {
 /// between labels A and B is allowed depends only on which faces are in A or in B, so that the
 /// result does not depend on what other threads do. Labels are read and written as relaxed atomics.
 struct Patchwork {
-    /// What a cell tells of the labels across its sides is kept in step: labels are changed by
-    /// set_label, or by set_own_label and then tell_neighbors.
+    /// Each cell holds a copy of the labels across its sides (Cell::across), so labels must not be
+    /// written directly: use set_label, or set_own_label for many faces and then tell_neighbors.
     std::vector<Cell> cells;
     std::vector<int> load;
-    /// Sub-meshes may close around a limb. That makes short boundaries, but no move opens a ring
-    /// again, so that a mesh with narrow limbs may then not be balanced.
+    /// May a sub-mesh become a ring, as around a limb or a hole? Rings have short boundaries, but
+    /// no move opens one again, so that a mesh with narrow limbs may then not be balanced.
     bool may_close_rings = true;
-    /// The last repair left sub-meshes that are not edge-connected, or have a bowtie.
+    /// Did the last repair leave sub-meshes that are not edge-connected, or have a bowtie?
     bool may_be_unsound = false;
-    /// Null on most meshes: their vertices have few faces.
+    /// Vertices with very many faces; null where there are none, as on most meshes.
     std::shared_ptr<const Hubs> hubs;
+    /// What each sub-mesh has at them; kept in step with the labels.
     HubShares hub_shares;
 
     int face_count() const { return static_cast<int>(cells.size()); }
@@ -40,7 +41,7 @@ struct Patchwork {
     std::array<int, 3> neighbors(int face) const {
         return {neighbor(face, 0), neighbor(face, 1), neighbor(face, 2)};
     }
-    /// Its label; kOpenBorder if there is none.
+    /// The label of that face; kOpenBorder if there is none.
     int label_across(int face, int corner) const { return read(cells[face].across[corner]); }
     Step step_from(const Step& step) const {
         return step_across(step, cells[step.face].side[step.exit]);
@@ -59,8 +60,8 @@ struct Patchwork {
         }
     }
 
-    /// These two label many faces at once: the first one does not tell the neighbours, the second
-    /// one tells all of them. O(F), parallel.
+    /// To label many faces at once: set_own_label leaves the copies in the neighbouring cells as
+    /// they are, and tell_neighbors updates the copies in all cells. O(F), parallel.
     void set_own_label(int face, int new_label) { write(cells[face].label, new_label); }
     void tell_neighbors(int thread_count = 1);
 
@@ -73,20 +74,21 @@ private:
     static void write(int& label, int value) { __atomic_store_n(&label, value, __ATOMIC_RELAXED); }
 };
 
-/// Is the vertex a hub where the shares of `label` are counted?
+/// Is the vertex at `corner` of `face` a hub, and `label` one whose shares are counted?
 inline bool is_counted(const Patchwork& patchwork, int face, int corner, int label) {
     return patchwork.hubs && patchwork.hubs->at[face][corner] != Hubs::kNone &&
         patchwork.hub_shares.counts(label);
 }
 
-/// What a label has at a hub where it is counted.
+/// What `label` has at that hub; is_counted must hold.
 inline HubShare share_at(const Patchwork& patchwork, int face, int corner, int label) {
     return patchwork.hub_shares.find(label, patchwork.hubs->at[face][corner]);
 }
 bool no_label_around_hub(const Patchwork& patchwork, int face, int corner, int label);
 bool all_label_around_hub(const Patchwork& patchwork, int face, int corner, int label);
 
-/// The tests of cell.h, which need not walk around a hub: moves.h takes these for a Patchwork.
+/// The tests of cell.h without a walk around hubs. Overload resolution picks these wherever moves.h
+/// works on a Patchwork.
 inline bool no_label_around(const Patchwork& patchwork, int face, int corner, int label) {
     return is_counted(patchwork, face, corner, label)
         ? no_label_around_hub(patchwork, face, corner, label)
@@ -108,8 +110,9 @@ struct Corner {
 /// to a ring: the first follows the last.
 bool list_corners(const Patchwork& patchwork, int face, int corner, std::vector<Corner>& corners);
 
-/// Sides at the vertex at `corner` of a face across which another label or an open border lies. A
-/// sub-mesh with more than two around a vertex has a bowtie there.
+/// How many of the two sides of a face at the vertex at `corner` have another label or an open
+/// border beyond them. Each fan of a sub-mesh that does not go all around the vertex has two such
+/// sides, so a sub-mesh with more than two of them around one vertex has a bowtie there.
 inline int fan_ends(const Patchwork& patchwork, int face, int corner) {
     const int label = patchwork.label(face);
     return (patchwork.label_across(face, corner) != label) +
@@ -123,14 +126,14 @@ inline bool is_at_rim(const Patchwork& patchwork, int face) {
         patchwork.label_across(face, 2) != label;
 }
 
-/// Does a face that is in no sub-mesh touch sub-mesh `to` by an edge, and would it join it without
-/// a bowtie?
+/// May an unassigned face be added to sub-mesh `to`: do they share an edge, and does no bowtie
+/// arise?
 bool may_join(const Patchwork& patchwork, int face, int to);
 
 /// Relabels the faces of the move and keeps `load` up to date.
 void apply(Patchwork& patchwork, const Move& move);
 
-/// Sums `load` up again, of the faces that are in a sub-mesh.
+/// Recomputes `load` from the labels; unassigned faces count for nothing.
 void sum_loads(Patchwork& patchwork);
 
 /// The load that all sub-meshes would have if they were balanced.

@@ -7,16 +7,16 @@
 
 namespace spheroseg {
 
-/// Faces of one label that hang together by edges, and no other face of that label does by them.
+/// A maximal edge-connected set of faces with one label.
 struct Piece {
     int label;
     int face_count;
 };
 
-/// In the order of their first faces.
+/// All of them, in the order of their first faces.
 struct Pieces {
     std::vector<Piece> pieces;
-    /// Of each face, in `pieces`; -1 for a face that is in no sub-mesh.
+    /// Per face the index of its piece in `pieces`; -1 for a face that is in no sub-mesh.
     std::vector<int> of_face;
 };
 
