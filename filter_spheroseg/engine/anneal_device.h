@@ -8,7 +8,7 @@
 
 namespace spheroseg {
 
-/// The most partners that the list of a label takes which begins with `count`.
+/// The length limit of a label's list of exchange partners that begins with `count` faces.
 inline std::size_t partner_capacity(std::size_t count) {
     return 16 * count + 64;
 }

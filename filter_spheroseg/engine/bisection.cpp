@@ -107,8 +107,8 @@ private:
                  {middle, part.end, right_label, part.count - left_count}}};
     }
 
-    /// Cuts the faces order_[begin, end), which have label `label`, into parts / 2 and the rest of
-    /// its parts, which get another label. Returns where that begins.
+    /// Cuts the faces order_[begin, end), which have label `label`, into a side for parts / 2
+    /// sub-meshes and one for the others, which gets `right_label`. Returns where that one begins.
     int cut(int begin, int end, int label, int parts, int right_label) {
         const int face_count = end - begin;
         Random random(seed_, static_cast<std::uint64_t>(label) << 32 | parts);
@@ -122,12 +122,13 @@ private:
         return middle;
     }
 
-    /// Of the faces of a part; an odd number of searches leaves one more.
+    /// The mark of a face: twice its label, plus 1 after an odd number of searches of its part. So
+    /// a search needs no pass to clear marks, and parts that are searched side by side differ.
     static constexpr int mark_of(int label) { return 2 * label; }
 
     /// Orders a part breadth first from `start`, component after component; returns the last face.
-    /// Each search flips the marks of the whole part. Which neighbours are new can not be foreseen,
-    /// so they are appended without a branch.
+    /// Each search flips the lowest bit of all marks of the part. Whether a neighbour is new is
+    /// unpredictable, so it is appended without a branch.
     int sort_breadth_first(int begin, int end, int start) {
         const int fresh = marks_[start];
         const int met = fresh ^ 1;

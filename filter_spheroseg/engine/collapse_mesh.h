@@ -36,14 +36,16 @@ struct CollapseMesh {
     /// Vertices without one closed fan of at least three faces that are oriented alike: never
     /// removed, never a target.
     std::vector<char> is_fixed;
-    /// Where a subdivision is undone: the only targets of a vertex, in the layout of
-    /// find_subdivision, and the most faces that they may have; else empty, as `keep` needs it.
+    /// While a subdivision is undone: the only two targets that each vertex may collapse into, in
+    /// the layout of find_subdivision, and the most faces that a target may have. Empty otherwise;
+    /// it must be when `keep` is called, which does not renumber it.
     std::vector<std::array<int, 2>> ends;
     int max_target_degree = std::numeric_limits<int>::max();
     /// The first vertex and the first face of caps.
     int first_cap_vertex;
     int first_cap_face;
-    /// The numbers that they had at first, increasing; empty: these.
+    /// The original indices, increasing, of faces and vertices that `keep` has renumbered; empty
+    /// before the first call, when indices are the original ones.
     std::vector<int> face_names;
     std::vector<int> vertex_names;
 
@@ -52,8 +54,8 @@ struct CollapseMesh {
     int face_name(int f) const { return face_names.empty() ? f : face_names[f]; }
     int vertex_name(int v) const { return vertex_names.empty() ? v : vertex_names[v]; }
 
-    /// Keeps only these faces and vertices, the live ones, in increasing order, and numbers them
-    /// anew: far apart in memory, they fill caches with what is gone.
+    /// Drops all but these faces and vertices, the live ones in increasing order, and renumbers
+    /// them: scattered over the original arrays, they would share cache lines with removed ones.
     void keep(const std::vector<int>& live_faces,
               const std::vector<int>& live_vertices,
               int thread_count);

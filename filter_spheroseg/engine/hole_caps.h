@@ -5,11 +5,13 @@
 
 namespace spheroseg {
 
-/// Closes the holes of a mesh with caps, see CollapseMesh. Where several fans meet at a vertex,
-/// each border goes on at the next fan, so that they and the caps between them become one closed
-/// fan. A border goes on where the one fan of a vertex has faces that are oriented differently.
-/// Borders where several fans meet at such a vertex, or where an edge has more than two faces,
-/// stay.
+/// Closes the holes of a mesh with caps, see CollapseMesh: each closed border loop gets one.
+///
+/// At a vertex where several fans of faces meet, the border is taken to lead from the end of each
+/// fan to the begin of the next one, so that the fans and the caps between them become one closed
+/// fan. At a vertex with a single fan whose faces are not oriented alike, as at the seam of a
+/// Moebius band, it leads from one end of the fan to the other. Borders stay open at a vertex with
+/// several fans of which one is not oriented alike, and at an edge with more than two faces.
 void close_holes(CollapseMesh& mesh);
 
 } // namespace spheroseg

@@ -24,7 +24,7 @@ struct LinkedTriangle {
     int corner(int v) const { return (vertex[1] == v) + 2 * (vertex[2] == v); }
 };
 
-/// The sides of a triangle's neighbours, which get the numbers `place`.
+/// For each side of a triangle the side of the neighbour there; face f has the number place[f].
 template <typename TriangleOf>
 std::array<NeighborSide, 3> sides_of(const LinkedTriangle& triangle,
                                      const TriangleOf& triangle_of,
@@ -43,9 +43,9 @@ std::array<NeighborSide, 3> sides_of(const LinkedTriangle& triangle,
     return sides;
 }
 
-/// The hubs of a level, looked for only if a vertex has enough faces. `triangle_of(f)` are the
-/// vertices of face f, in any order of the faces: in that of memory counting takes far less time
-/// than the search.
+/// The hubs of a level; they are searched for only if some vertex has enough faces, which counting
+/// tells in far less time. `triangle_of(f)` are the vertices of face f in any numbering of the
+/// faces: counting is fastest in the order in which they lie in memory.
 template <typename TriangleOf>
 std::shared_ptr<const Hubs> hubs_of(const std::vector<std::array<NeighborSide, 3>>& sides,
                                     const TriangleOf& triangle_of) {
@@ -70,7 +70,8 @@ std::vector<int> inverse(const std::vector<int>& order, std::size_t size) {
     return place;
 }
 
-/// The faces in connected clusters, each beside those before it where there are such.
+/// An order of the faces in connected clusters of up to kClusterFaces, each adjacent to an earlier
+/// one unless a new component begins.
 std::vector<int> order_by_clusters(const DualGraph& dual_graph) {
     const int face_count = dual_graph.face_count();
     std::vector<int> order;

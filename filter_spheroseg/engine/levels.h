@@ -16,31 +16,31 @@ struct Level {
     std::vector<std::array<NeighborSide, 3>> sides;
     /// Cell i stands for the cells [begin[i], begin[i + 1]) of the finest level; empty there.
     std::vector<int> begin;
-    /// Are holes closed here that the next finer level has?
+    /// Does the next finer level have holes that are closed on this one?
     bool closes_holes = false;
     /// Null without any.
     std::shared_ptr<const Hubs> hubs;
 
     int cell_count() const { return static_cast<int>(sides.size()); }
     int begin_of(int cell) const { return begin.empty() ? cell : begin[cell]; }
-    /// The first cell that stands for none before cell `finest` of the finest level.
+    /// The first cell that begins at cell `finest` of the finest level or after it.
     int first_cell_from(int finest) const;
 };
 
-/// Versions of a mesh from fine to coarse. Cells that lie side by side have numbers near each
-/// other, so that caches hold what is worked on together, and the cells that one of a coarser level
-/// stands for follow one another, in the order of the cells there.
+/// Versions of a mesh from fine to coarse. Cells are numbered so that neighbours mostly have near
+/// numbers, for the caches, and that the cells which a cell of a coarser level stands for are
+/// consecutive, in the order of the coarser cells.
 struct MeshLevels {
-    /// Each level has at least this share of the cells of the next finer one, and few more, as far
-    /// as single rounds of the hierarchy allow; the coarsest one may have nearly as many. But where
-    /// a subdivision is undone it has a quarter.
+    /// Each level has at least this share of the cells of the next finer one, and as few more as
+    /// the rounds of the hierarchy allow. Exceptions: the coarsest level may have nearly as many
+    /// cells as the next finer one, and a level that an undone subdivision leaves has a quarter.
     static constexpr double kLeastShare = 0.4;
 
     /// The face of the mesh that each cell of the finest level is.
     std::vector<int> face_at;
     /// The finest one first.
     std::vector<Level> levels;
-    /// How many of these, after the finest one, are what undone subdivisions leave.
+    /// The levels 1 to quartered_count are those that undone subdivisions leave.
     int quartered_count = 0;
 };
 

@@ -9,8 +9,10 @@ namespace spheroseg {
 
 constexpr int kQuantileCount = 1 << 12;
 
-/// Quantiles of the exponential distribution. A move that costs at most temperature * a random one
-/// of them is accepted: the Metropolis rule, random number first.
+/// Quantiles of the exponential distribution with mean 1. A move is accepted when its cost is at
+/// most temperature * (one of them, drawn at random): the Metropolis rule u <= exp(-cost /
+/// temperature), solved for the cost, so that the most that a move may cost is known before it is
+/// described.
 inline const std::array<float, kQuantileCount>& exponential_quantiles() {
     static const std::array<float, kQuantileCount> quantiles = [] {
         std::array<float, kQuantileCount> values;

@@ -8,8 +8,8 @@
 
 namespace spheroseg {
 
-/// The levels of a mesh as patchworks: coarse ones, and the way back. A cell weighs as much as the
-/// faces that it stands for. What a segmentation needs that does not depend on k.
+/// The levels of a mesh as patchworks: coarsens, and carries labels back to finer levels. A cell
+/// weighs as much as the faces that it stands for. Does not depend on k, so one serves for all.
 class Multilevel {
 public:
     /// See build_levels.
@@ -28,8 +28,8 @@ public:
     /// The cells of that level.
     int cell_count(int min_face_count) const { return level_with(min_face_count).cell_count(); }
 
-    /// The same among the finest level and those that undone subdivisions leave, where edges stand
-    /// for as many fine ones each.
+    /// The same among only the finest level and those that undone subdivisions leave, on which all
+    /// edges stand for equally many fine ones.
     int quartered_cell_count(int min_face_count) const;
 
     /// Turns a patchwork into that of the next finer level, if there is one. Cells get the labels

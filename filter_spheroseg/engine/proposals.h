@@ -25,7 +25,7 @@ struct Phase {
 /// What the proposals of a group depend on in one phase.
 struct GroupRules {
     const int* group_of_label;
-    /// The table of `ExponentialQuantiles`.
+    /// The table exponential_quantiles() of metropolis.h.
     const float* quantiles;
     int group;
     double temperature;
@@ -94,7 +94,7 @@ SPHEROSEG_INNER Drawn draw_proposal(const Patches& patches,
     if (rules.group_of_label[across[proposal.corner]] != rules.group) {
         return Drawn::nothing;
     }
-    // A face that touches its own sub-mesh by two edges adds a boundary edge when it leaves.
+    // A face with two edges to its own sub-mesh adds a boundary edge when it leaves.
     const bool sits_deep = (sides & (sides - 1)) == 0;
     const bool as_fan = ((bits >> 24) & 1) || (sits_deep && proposal.allowance < kLikelyCost);
     // One of eight is any fan: a heavy face may be able to leave by the longer one only.

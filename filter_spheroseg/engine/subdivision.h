@@ -5,13 +5,14 @@
 
 namespace spheroseg {
 
-/// The vertices that a subdivision has put on edges, where a mesh came from one by splitting each
-/// triangle in four: those are joined by new edges, so each old triangle became three *corners* and
-/// the *middle* between them. Entry v holds the ends of the edge that vertex v lies on, {-1, -1}
-/// where it is of the old mesh. Empty for all other meshes, which most often shows after
-/// looking at a few faces; else O(F). Positions are not used. After Taubin, "Detecting and
-/// Reconstructing Subdivision Connectivity", The Visual Computer 18, 2002. `live_faces` and
-/// `live_vertices` are what there is of the mesh, increasing. A mesh that is not connected is none.
+/// Recognises a connected mesh that comes from a coarser one by 1-to-4 subdivision: every edge got
+/// a new vertex, and every old triangle became three *corners* and the *middle* between them. Entry
+/// v of the result holds the ends of the old edge that vertex v lies on, {-1, -1} for a vertex of
+/// the coarser mesh. Empty for any other mesh. `live_faces` and `live_vertices` are the faces and
+/// vertices of the mesh that are left, increasing. Positions are not used. O(F), but most other
+/// meshes are rejected after a few faces.
+/// Source: Taubin, Detecting and Reconstructing Subdivision Connectivity, The Visual Computer 18,
+/// 2002.
 std::vector<std::array<int, 2>> find_subdivision(const CollapseMesh& mesh,
                                                  const std::vector<int>& live_faces,
                                                  const std::vector<int>& live_vertices);
