@@ -12,8 +12,9 @@ namespace spheroseg {
 
 namespace {
 
-/// Where a balance was found in the end, recuts had never left more than 73 sub-meshes off, and of
-/// more than a thousand never more than one of 60; with some room.
+/// Thresholds of is_hopeless: more than kFewOff sub-meshes are off, and more than one in kOneOff.
+/// In the runs that were balanced in the end, recuts had left at most 73 sub-meshes off, and of
+/// more than a thousand at most one in 60.
 constexpr std::int64_t kFewOff = 100;
 constexpr std::int64_t kOneOff = 50;
 
@@ -48,7 +49,7 @@ public:
 private:
     /// Work between two reports of progress: about a millisecond.
     static constexpr std::int64_t kWorkPerReport = 30000;
-    /// Sub-meshes of the graph that are met in the time of a face.
+    /// Sub-meshes that a search of the graph visits in the time that one face takes.
     static constexpr std::int64_t kLabelsPerFace = 4;
 
     void count_work(std::int64_t faces) {
@@ -162,7 +163,8 @@ private:
         return moved;
     }
 
-    /// Can a face pass at every step, as the sub-meshes are? Blocks what leads nowhere where not.
+    /// Can a face pass at every step of the path now? Where not, blocks all arcs from that sub-mesh
+    /// through which no face can pass.
     bool is_open(const std::vector<int>& path) {
         bool open = true;
         for (std::size_t i = 0; i + 1 < path.size(); ++i) {

@@ -9,25 +9,27 @@
 
 namespace spheroseg {
 
-/// Makes the loads of a patchwork of unit weights differ by at most one, by passing single faces
-/// along shortest chains of sub-meshes from one that has too many to one that has too few, each
-/// time the face that costs the fewest boundary edges; where many chains break, along chains whose
-/// passes are planned one on the other (PlannedChains). All sub-meshes stay connected and free of
-/// bowties, and their loads are never farther off than before. Goes on as long as that takes off a
-/// good part of what is off each time, `deadline` (may be null) has not expired, and about
-/// `most_work` faces were not yet looked at. Returns false when anything is left: see
-/// recut_to_balance. Deterministic but for the deadline. Throws Cancelled when the progress
-/// callback asks for it.
+/// Makes the loads of a patchwork of unit weights differ by at most one: single faces are passed
+/// along shortest chains of adjacent sub-meshes, from one with too many faces to one with too few,
+/// at each step the face that costs the fewest boundary edges. Where many chains break, the passes
+/// of a chain are planned on each other (PlannedChains). All sub-meshes stay connected and free of
+/// bowties, and no load gets farther from balance.
+///
+/// Ends when the loads are balanced, when a round removes too small a part of the imbalance, when
+/// `deadline` (may be null) has expired, or when about `most_work` faces were looked at. Returns
+/// whether the loads are balanced; recut_to_balance is the next resort. Deterministic but for the
+/// deadline. Throws Cancelled when the progress callback asks for it.
 bool balance_exactly(Patchwork& patchwork,
                      const Deadline* deadline = nullptr,
                      const Progress& progress = {},
                      std::int64_t most_work = std::numeric_limits<std::int64_t>::max());
 
-/// After balance_exactly and recut_to_balance: are so many sub-meshes off that there is hardly a
-/// balance to be found?
+/// After balance_exactly and recut_to_balance: are so many sub-meshes out of balance still that
+/// more tries from here are very unlikely to balance them?
 bool is_hopeless(const Patchwork& patchwork);
 
-/// With unit weights: are at most a tenth of all faces too many where they are?
+/// With unit weights: is the sum of what sub-meshes have above the balanced load at most a tenth of
+/// all faces?
 bool is_near_balance(const Patchwork& patchwork);
 
 } // namespace spheroseg

@@ -10,12 +10,13 @@
 namespace spheroseg {
 
 /// The ways from annealed sub-meshes of unit weights to exact balance, for one start of `fast`. All
-/// leave the sub-meshes connected and free of bowties, and return whether the loads differ by at
-/// most one then. Searches end when `deadline` has expired; deterministic but for that. They throw
-/// Cancelled when the progress callback asks for it. All that is referred to must outlive it.
+/// leave the sub-meshes connected and free of bowties; those that return a bool return whether the
+/// loads differ by at most one. They end when `deadline` has expired, and are deterministic but for
+/// that. Throws Cancelled when the progress callback asks for it. The arguments of the constructor
+/// must outlive the object.
 class BalanceSearch {
 public:
-    /// `start`: 0 for the first one; later ones may make fewer recuts.
+    /// `start`: which start of `fast` this is, from 0 on; later ones make fewer recuts.
     BalanceSearch(Patchwork& patchwork,
                   const Schedules& schedules,
                   std::uint64_t seed,
@@ -23,18 +24,22 @@ public:
                   const Deadline& deadline,
                   const Progress& progress);
 
-    /// Passes faces, where the loads are near to balance: for what was cut short.
+    /// balance_exactly alone, and only where the loads are near to balance: for a start that the
+    /// time limit has cut short.
     bool pass_faces();
-    /// In the first starts: passes whole branches where annealing is stuck, and sub-meshes are so
-    /// large that the boundaries of recuts would be long. It takes long; ends early when `limit`
+    /// anneal_branches where annealing is stuck, in the first starts and where sub-meshes are
+    /// large: there the boundaries that recuts make would be long. Slow; ends early when `limit`
     /// has expired.
     void pass_branches(const Deadline& limit);
-    /// As far as another start would not take less time.
+    /// balance_exactly and recut_to_balance, with limits: beyond them another start takes less
+    /// time.
     bool balance_initial_labels();
-    /// Passes faces and cuts regions anew; to try both again, in the first starts passes whole
-    /// branches of large sub-meshes in every other try, and else shakes the boundaries.
+    /// balance_exactly and recut_to_balance, several times; in between, boundaries are annealed
+    /// with a strong pull towards balance, or branches are passed (in the first starts, where
+    /// sub-meshes are large, in every other try).
     bool search();
-    /// Did `search` leave so much off that only another kind of start is worth a try?
+    /// Did `search` leave so many sub-meshes out of balance that only another kind of start is
+    /// worth a try?
     bool is_hopeless() const { return is_hopeless_; }
 
 private:

@@ -8,22 +8,22 @@
 
 namespace spheroseg {
 
-/// Which sub-meshes lie side by side, and between which of them no face can pass as they are.
-/// Whether one can depends on the faces of these two sub-meshes only, so what was found out about a
-/// pair holds until one of them changes.
+/// The graph of adjacent sub-meshes, with a note for each direction between two of them in which no
+/// face can pass at present (an arc that is blocked). Whether a face can pass depends on the faces
+/// of the two sub-meshes only, so a note holds until one of the two changes.
 class PassGraph {
 public:
     explicit PassGraph(int submesh_count)
         : arcs_(submesh_count), changed_at_(submesh_count, 0), parent_(submesh_count, -1) {}
 
-    /// The two sub-meshes share a side. They may stay linked when they do not any more.
+    /// Adds the arcs between two sub-meshes that share an edge. They stay when that edge is gone.
     void link(int a, int b);
 
-    /// The two have exchanged faces.
+    /// Faces of the two have changed: unblocks all their arcs.
     void change(int a, int b) { changed_at_[a] = changed_at_[b] = ++clock_; }
 
-    /// Calls is_open(other) for each linked sub-mesh, and takes down those to which no face can
-    /// pass.
+    /// Calls is_open(other) for each linked sub-mesh, and blocks the arcs to those for which the
+    /// answer is false.
     template <typename IsOpen> void block_from(int label, IsOpen is_open);
 
     /// The labels along a shortest path of passes from `label` (`outward`) or to it, in the order
@@ -32,13 +32,14 @@ public:
     template <typename IsEnd>
     const std::vector<int>& find_path(int label, bool outward, IsEnd is_end, Random& random);
 
-    /// Sub-meshes that the last search met.
+    /// Number of sub-meshes that the last search visited.
     int met_count() const { return static_cast<int>(queue_.size()); }
 
 private:
     struct Arc {
         int label;
-        /// When no face could pass from it, and to it.
+        /// The clock when the arc was last blocked, to the sub-mesh that lists it [0] and from that
+        /// one [1], so that the index is `outward`; -1: never.
         std::int64_t blocked_at[2];
     };
 

@@ -23,7 +23,7 @@ struct Side {
 /// too few below `even.floor`.
 class PlannedChains {
 public:
-    /// Told of the faces that were looked at since it was called before.
+    /// Receives the number of faces that were looked at since its previous call.
     using Report = std::function<void(std::int64_t)>;
 
     PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
@@ -43,7 +43,7 @@ private:
         int from;
         int to;
         int previous; // -1: none
-        /// Which of the sub-meshes that are off the chain begins at.
+        /// The index, in the list of sub-meshes that are off, of the one where the chain begins.
         int begin;
     };
 
@@ -66,7 +66,7 @@ private:
     std::vector<int> ends_;
     std::vector<Side> sides_;
     std::vector<std::uint8_t> is_planned_;
-    /// Faces that a sub-mesh gets from these chains, or gives to them.
+    /// Per sub-mesh the chains found so far that end there: each takes one unit of its room.
     std::vector<int> promised_;
 };
 

@@ -9,7 +9,7 @@ namespace spheroseg {
 
 namespace {
 
-/// Of the whole region, and of each part of it before that is given up.
+/// Tries with the whole region, and spanning trees that each part of it gets in one of them.
 constexpr int kTries = 3;
 constexpr int kTreesPerPart = 3;
 
@@ -105,7 +105,7 @@ TreeCut::Cut TreeCut::nearest_cut(int wanted, int limit) {
     return best;
 }
 
-/// Cuts the faces from `begin` to `end`, which hang together, into the sub-meshes of a set.
+/// Cuts the connected faces faces_[begin, end) into the sub-meshes of a set.
 bool TreeCut::cut_part(std::size_t begin, std::size_t end, Set set, Random& random) {
     if ((set & (set - 1)) == 0) {
         label_faces(begin, end, (*labels_)[__builtin_ctz(set)]);
@@ -139,8 +139,8 @@ bool TreeCut::cut_part(std::size_t begin, std::size_t end, Set set, Random& rand
     return false;
 }
 
-/// Puts what hangs on a face of the tree, which is grown on the faces from `begin` on, before the
-/// others. Returns where those begin.
+/// Reorders the faces from `begin` on, on which the tree has grown, so that those of the subtree at
+/// `root` come first. Returns where the others begin.
 std::size_t TreeCut::part_off(std::size_t begin, std::size_t root) {
     const auto subtree = tree_.begin() + static_cast<std::ptrdiff_t>(root);
     std::rotate(tree_.begin(), subtree, subtree + hanging_[root]);
@@ -155,7 +155,7 @@ void TreeCut::label_faces(std::size_t begin, std::size_t end, int label) {
     patchwork_.load[label] = static_cast<int>(end - begin);
 }
 
-/// False when these faces do not hang together.
+/// Grows a random spanning tree on faces_[begin, end). False when these are not connected.
 bool TreeCut::grow_tree(std::size_t begin, std::size_t end, Random& random) {
     const std::size_t count = end - begin;
     for (std::size_t i = begin; i < end; ++i) {

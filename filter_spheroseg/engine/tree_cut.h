@@ -9,20 +9,21 @@
 
 namespace spheroseg {
 
-/// Cuts regions of a patchwork of unit weights, which hang together, anew into sub-meshes of given
-/// sizes. A random spanning tree of the faces is cut where what hangs on a side is as large as some
-/// of the sub-meshes together, and both parts are cut further in the same way ("ReCom": DeFord,
-/// Duchin, Solomon, Recombination: A Family of Markov Chains for Redistricting, 2021). The trees
-/// are grown depth first: they are mostly long paths, which can be cut nearly anywhere.
+/// Cuts connected regions of a patchwork of unit weights anew into sub-meshes of given sizes. A
+/// random spanning tree of the faces is cut at an edge below which there are as many faces as some
+/// of the sub-meshes have together, and both parts are cut further in the same way. The trees are
+/// grown depth first: they are mostly long paths, which can be cut nearly anywhere.
+/// Source: DeFord, Duchin, Solomon, Recombination: A Family of Markov Chains for Redistricting
+/// ("ReCom"), 2021.
 class TreeCut {
 public:
     /// O(F).
     explicit TreeCut(Patchwork& patchwork);
 
     /// Cuts the sub-meshes of a region anew such that each is connected and free of bowties, and
-    /// labels[i] has sizes[i] > 0 faces. The sizes sum up to the faces of the region. Returns false
-    /// when a few trees gave no such cut; then the labels of the region and their loads mean
-    /// nothing. At most 8 labels.
+    /// region.labels[i] has sizes[i] > 0 faces. The sizes sum up to the faces of the region.
+    /// Returns false when a few trees gave no such cut; then the labels of the region and their
+    /// loads mean nothing. At most 8 labels.
     bool cut(const Region& region, const std::vector<int>& sizes, Random& random);
 
     /// The same for two sub-meshes, of which the first one is to have `wanted` faces or, where that
@@ -35,7 +36,8 @@ private:
     /// A set of sub-meshes of the region, one bit for each.
     using Set = unsigned;
 
-    /// What hangs on a place in the tree, or all the rest, is the first sub-mesh. Place 0: none.
+    /// The first sub-mesh is the subtree at the place `root` of the tree (`hangs`), or all but that
+    /// subtree. Place 0, the root of the whole tree, stands for no cut.
     struct Cut {
         std::size_t root;
         bool hangs;
@@ -50,28 +52,28 @@ private:
     bool is_free_of_bowties();
 
     Patchwork& patchwork_;
-    /// Of the vertex at each corner (3 * face + corner) a number.
+    /// For each corner (3 * face + corner) the number of its vertex.
     std::vector<int> vertex_;
     /// Sides at each vertex where the sub-mesh that is looked at ends.
     std::vector<int> ends_;
-    /// Places in the tree, and marks.
+    /// For each face its place in the tree, kWaiting, or kOutside of the part that a tree grows on.
     std::vector<int> place_;
     /// The faces of the region; what was cut lies together.
     std::vector<int> faces_;
     const std::vector<int>* labels_ = nullptr;
     const std::vector<int>* sizes_ = nullptr;
-    /// The tree, depth first: faces, the places of their parents, and how many hang on each, itself
-    /// included. So a subtree is a row of faces.
+    /// The tree in depth-first order: its faces, the places of their parents, and the sizes of the
+    /// subtrees. The faces of a subtree are consecutive.
     std::vector<int> tree_;
     std::vector<int> parent_;
     std::vector<int> hanging_;
-    /// Is a face of the region of the first sub-mesh, and how many of them hang on each place?
+    /// Which faces are of the first sub-mesh before the cut, and how many of them each subtree has.
     std::vector<std::uint8_t> is_of_first_;
     std::vector<int> of_first_;
     std::vector<int> way_;
-    /// The faces hang together along no other tree.
+    /// The faces have no other spanning tree: another try would be the same.
     bool is_only_tree_ = false;
-    /// Of each number of faces the sub-meshes that have so many together; none: 0.
+    /// For each number of faces a set of sub-meshes that have so many together; 0: none.
     std::vector<Set> set_of_size_;
 };
 
