@@ -8,25 +8,27 @@
 
 namespace spheroseg {
 
-/// The best of the labellings of a component that were met, with the history of how it was made:
-/// soundness comes before balance, and balance before short boundaries.
+/// The best labelling of a component found so far, with the history of the start that made it:
+/// soundness counts before balance, and balance before short boundaries.
 class BestResult {
 public:
-    /// Refers to both.
+    /// `multilevel` and `task` must outlive this object.
     BestResult(const Multilevel& multilevel, const ComponentTask& task, int thread_count)
         : multilevel_(multilevel), task_(task), thread_count_(thread_count) {}
 
-    /// Keeps the labels of a patchwork on the finest level if no better ones were met. `sound`:
-    /// every sub-mesh is connected and free of bowties. Returns true when they are valid.
+    /// Keeps the labels of a patchwork on the finest level if they are better than those kept so
+    /// far. `sound`: every sub-mesh is connected and free of bowties. Returns whether the labels of
+    /// the patchwork are valid.
     bool keep_if_better(const Patchwork& patchwork, bool sound, const History& history);
 
-    /// Are these labels, which are sound, valid?
+    /// Are these labels, which must be sound, valid?
     bool would_be_valid(const Patchwork& patchwork) const {
         return cost_of(patchwork, true).is_valid();
     }
 
-    /// All below: of the labels that are kept; there are some.
+    /// Are the labels that are kept valid? False before the first ones.
     bool is_valid() const { return least_cost_ && least_cost_->is_valid(); }
+    /// The labels that are kept, and their history; empty before the first ones.
     const std::vector<int>& labels() const { return labels_; }
     const History& history() const { return history_; }
     void set_history(const History& history) { history_ = history; }
@@ -36,7 +38,8 @@ private:
         bool is_unsound;
         /// Faces above and below the triangle counts that are asked for.
         std::int64_t misplaced;
-        /// With weights, thousandths of the mean that the heaviest load is too heavy.
+        /// With weights: by how much the heaviest load is above near_enough, in thousandths of the
+        /// mean load, rounded up.
         std::int64_t excess;
         std::int64_t boundary_edges;
 

@@ -7,25 +7,25 @@ namespace spheroseg {
 
 /// How much work an effort is worth.
 struct Budget {
-    /// Whole runs, of which the best result counts.
+    /// Starts of a component, of which the best result is kept.
     int starts;
     /// Iterations of Lloyd's relaxation.
     int relaxations;
-    /// Proposals per boundary face on the first level; instead where sub-meshes are small; and on
-    /// each further level.
+    /// Proposals per boundary face on the first level, on the first level where sub-meshes are
+    /// small (Schedules::are_small), and on each further level.
     double first_proposals;
     double small_first_proposals;
     double level_proposals;
-    /// Cells per sub-mesh from which on a further level gets more than that.
+    /// Cells per sub-mesh above which a further level gets more than level_proposals.
     int large_submesh;
-    /// The part of these that is made in each trial of the first start, and how many cells all
-    /// trials together may have on the first level.
+    /// The part of these proposals that each trial of the first start makes, and how many cells all
+    /// trials together may have on the first level (trial_count).
     double trial_share;
     int trial_faces;
     /// Proposals of branches per boundary face, where they are needed.
     double branch_proposals;
-    /// Exchanges per boundary face at exact balance; instead where sub-meshes are small. Where
-    /// rounds follow, only those below a limit, of weights.
+    /// Exchanges per boundary face at exact balance, and where sub-meshes are small. Where `rounds`
+    /// is above 0 these are made in the balance by weight only.
     double exchange_proposals;
     double small_exchange_proposals;
     /// Rounds of exchanges in the best result, and how many are tried per boundary face in each.

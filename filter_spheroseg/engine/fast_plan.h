@@ -19,11 +19,12 @@ struct StartCost {
     double levels_end() const { return (start + levels) / sum(); }
 };
 
-/// How `fast` goes about a component of `face_count` faces and k = `submesh_count`, in
-/// [2, face_count]: where it starts, and how much it does.
+/// What `fast` does with a component of `face_count` faces and k = `submesh_count`, in
+/// [2, face_count]: on which level it starts, how many starts and trials it makes, and what they
+/// cost. Set up with the faces alone, and made exact by `set_levels`.
 class FastPlan {
 public:
-    /// `has_sphere`: can there be a map to the sphere?
+    /// `has_sphere`: can the mesh be mapped to the sphere?
     FastPlan(int face_count,
              int submesh_count,
              bool by_weight,
@@ -31,7 +32,7 @@ public:
              Effort effort,
              int thread_count);
 
-    /// For what is still to be done.
+    /// Changes the effort of all that is still to be done.
     void set_effort(Effort effort);
     const Schedules& schedules() const { return schedules_; }
 
@@ -46,28 +47,31 @@ public:
     /// Is the second start one on the sphere?
     bool starts_on_sphere() const { return start_count_ > 1 && !by_weight_; }
 
-    /// The cells that the first level of a coarsened mesh has at least; the faces of another.
+    /// The least number of cells of the level on which a start begins, for Multilevel::coarsen; at
+    /// most face_count.
     int coarse_face_count() const;
     /// Is the mesh large enough for its sub-meshes to be started on a coarser one?
     bool coarsens() const;
 
-    /// Takes note of the levels that there are in fact.
+    /// Adapts the plan to the levels that the mesh really has.
     void set_levels(const Multilevel& multilevel);
 
-    /// Iterations of Lloyd's relaxation of a single start; more where the first level is so coarse
-    /// that they take little of the time.
+    /// Iterations of Lloyd's relaxation in a start without trials; more where the first level is so
+    /// coarse that they take a small part of the time.
     int relaxations() const;
-    /// How many starts are worth their time where the layout decides, at least 1.
+    /// How many trials the first start should make (best_of_trials); 1: none, a single start.
     int trials() const;
-    /// Of so many.
+    /// The plan for so many trials.
     TrialPlan trial_plan(int trials) const {
         return {trials, submesh_count_, first_face_count_, schedules_};
     }
-    /// More than all annealings of a start have phases.
+    /// An upper bound of the number of phases of all annealings of a start.
     int most_phases() const;
-    /// Of a start that is the best of so many, or a single one.
+    /// The cost of building what does not depend on k, in microseconds like all costs here.
+    double cost_of_preparation() const;
+    /// The cost of a start that makes so many trials (1: none).
     StartCost cost_of_start(int trials) const;
-    /// Of the rounds after all starts, in microseconds too.
+    /// The cost of the rounds of exchanges after all starts.
     double cost_of_rounds() const;
 
 private:
@@ -82,10 +86,11 @@ private:
     int start_count_;
     /// 0 where there is only one level.
     int coarsest_face_count_ = 0;
-    /// The faces of a level that undone subdivisions leave, where the start is on one; else 0.
+    /// The cells of the level on which starts begin, where an undone subdivision has left it; else
+    /// 0.
     int quartered_face_count_ = 0;
-    /// The least cells that the first level may have. As `coarse_face_count`; more where there is
-    /// no level so coarse.
+    /// coarse_face_count(), or more where there is no level so coarse: the least number of cells
+    /// that the first level may have, for the number of trials.
     int first_face_count_;
 };
 

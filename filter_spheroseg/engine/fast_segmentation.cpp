@@ -27,7 +27,7 @@ namespace {
 
 /// Starts, where none is balanced.
 constexpr int kMaxStarts = 6;
-/// Of the time of bisection and relaxation.
+/// The part of the time of bisection and relaxation that the bisection takes.
 constexpr double kBisectionShare = 0.15;
 /// Seconds for the search for a balance, whatever the time limit is, per second of a start that is
 /// made as `draft` does it because the time is up.
@@ -164,9 +164,9 @@ private:
         best_.emplace(*multilevel_, task_, options_.thread_count);
     }
 
-    /// Progress is by the times that the steps take.
+    /// The part of the progress that the preparation takes: progress follows the expected times.
     double preparation_share() const {
-        const double preparation = (plan_.coarsens() ? 0.45 : 0.15) * component_.face_count();
+        const double preparation = plan_.cost_of_preparation();
         return preparation / (preparation + cost_before(wanted_starts()) + plan_.cost_of_rounds());
     }
 

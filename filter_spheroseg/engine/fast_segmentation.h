@@ -15,18 +15,18 @@ struct ComponentTask {
     /// has to be.
     int least_count = 0;
     int largest_count = 0;
-    /// Of its faces, finite and >= 0, or empty.
+    /// One per face of the component, finite and >= 0; or empty: triangle counts are balanced.
     std::vector<double> weights;
-    /// Of its faces, in [0, submesh_count), or -1 for none; or empty.
+    /// One per face, in [0, submesh_count), or -1 for none; or empty.
     std::vector<int> initial_labels;
-    /// May be null. Anneals instead of the cores, with the same result, all but the trials from
-    /// which the first start is chosen, and what shakes boundaries for a better balance.
+    /// May be null. Does the annealing instead of the cores, with the same result; but not that of
+    /// the trials from which the first start is chosen, nor that between tries to balance.
     AnnealDevice* device = nullptr;
 };
 
-/// What is written of how long the stages took.
+/// The times of the stages, as they are reported.
 struct StageSeconds {
-    /// All that does not depend on k, the map to the sphere too.
+    /// All that does not depend on k: the levels, and the map to the sphere where one is used.
     double parametrization = 0.0;
     /// Starts, with their trials.
     double cohesion = 0.0;
@@ -51,7 +51,7 @@ struct StageSeconds {
 struct ComponentResult {
     /// One in [0, task.submesh_count) per face of the component.
     std::vector<int> labels;
-    /// Of the start whose labels these are.
+    /// The iterations of the start whose labels these are.
     History history;
     StageSeconds seconds;
     /// All sub-meshes are connected and free of bowties and, without weights, have a triangle count

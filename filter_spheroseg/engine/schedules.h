@@ -9,33 +9,35 @@
 
 namespace spheroseg {
 
-/// The annealings of `fast`.
+/// Makes the schedules of all annealings of `fast` from a budget.
 struct Schedules {
     Budget budget;
     /// Are sub-meshes so small that fewer proposals per boundary face suffice?
     bool are_small = false;
     int thread_count = 0;
-    /// The part of the proposals that is made.
+    /// Factor on the proposals of the levels: below 1 in trials, above 1 where one start gets the
+    /// time of several.
     double share = 1.0;
 
+    /// Per boundary face on the first level, without `share`.
     double first_proposals() const;
-    /// Roughly the proposals on a further level with so many cells.
+    /// Roughly the number of proposals on a further level with so many cells.
     double level_work(double cells, int submesh_count) const;
-    /// The same on all further levels, from a first one with so many cells up to one
-    /// with more.
+    /// The sum of level_work over all further levels, from a first one with `first_cells` up to one
+    /// with `last_cells`.
     double further_proposals(double first_cells, double last_cells, int submesh_count) const;
-    /// Exchanges where there are so many faces and boundary edges.
+    /// Number of exchanges at so many faces and boundary edges.
     double exchange_count(double face_count, double boundary_edges) const;
 
     /// On the first level.
     AnnealSchedule first(std::uint64_t seed) const;
     /// On a further level, that of the patchwork.
     AnnealSchedule next(const AnnealSchedule& schedule, const Patchwork& patchwork) const;
-    /// At exact balance, or below a limit.
+    /// Exchanges at exact balance, or below a limit of loads.
     AnnealSchedule exchanges(const Patchwork& patchwork, std::uint64_t seed) const;
     /// The same in rounds.
     AnnealSchedule rounds(std::uint64_t seed) const;
-    /// Of branches, where the annealing of single faces and fans is stuck off balance.
+    /// For anneal_branches, where the annealing of single faces and fans is stuck out of balance.
     AnnealSchedule branches(const Patchwork& patchwork, std::uint64_t seed) const;
     /// Shakes boundaries with a strong pull towards balance.
     AnnealSchedule shaking(std::uint64_t seed) const;
@@ -49,11 +51,13 @@ private:
     double least_exchanges(double face_count) const;
 };
 
-/// Boundary edges of hexagonal sub-meshes of so many faces in all.
+/// Number of boundary edges of `submesh_count` hexagonal patches of equilateral triangles that have
+/// `face_count` faces in all: sqrt(6 F k) / 2.
 double hexagonal_edges(double face_count, int submesh_count);
 
-/// Weights of the imbalance fall with the size of the sub-meshes, so that the part by which a
-/// load may be off stays the same; a strength of 0.5 to 10 lets loads differ by some per cent.
+/// Sets the balance weights of a schedule to `begin` and `end` over the mean number of cells of a
+/// sub-mesh, so that the relative deviation of the loads does not depend on the size of the
+/// sub-meshes: at 0.5 to 10 it is some per cent.
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end);
 
 /// Turns a patchwork into that of the next finer level, if there is one, and repairs it where holes
