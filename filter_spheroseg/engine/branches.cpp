@@ -54,7 +54,7 @@ const std::vector<int>& Branches::find(int face, int to, int max_faces) {
     return branch_;
 }
 
-/// While the search runs its faces have the new label.
+/// While the search runs, the faces of the branch have the new label.
 void Branches::add(int face, int to) {
     patchwork_.set_label(face, to);
     branch_.push_back(face);
@@ -116,8 +116,9 @@ bool Branches::close_vertex(int face, int corner, int from, int to) {
     return number_fans(patchwork_, around_, ring, to, fan_of) == 1;
 }
 
-/// Adds all parts of what is left but the largest. They are searched side by side, as long as they
-/// are small: the last one, which is the largest, or nearly so, need not be walked through.
+/// Adds all connected parts of what is left of the sub-mesh but (nearly always) the largest. The
+/// searches take turns: when all but one have found their parts, the last part is at least about as
+/// large as they are and need not be walked through.
 bool Branches::close_parts(int from, int to, std::size_t max_faces) {
     begin_searches(from);
     const std::size_t room = max_faces - std::min(max_faces, branch_.size());
@@ -155,7 +156,7 @@ bool Branches::close_parts(int from, int to, std::size_t max_faces) {
     return true;
 }
 
-/// From each face of sub-mesh `from` beside the branch.
+/// Begins a search at each face of sub-mesh `from` that is adjacent to the branch.
 void Branches::begin_searches(int from) {
     search_count_ = 0;
     for (int face : branch_) {
@@ -176,7 +177,7 @@ void Branches::begin_searches(int from) {
     }
 }
 
-/// Takes a step of a search, and unites it with those that it meets.
+/// Takes one step of a search, and merges the searches that it meets into it.
 void Branches::go_on(int number, int from) {
     Search& search = searches_[number];
     const int face = search.open[search.head++];

@@ -7,16 +7,17 @@
 
 namespace spheroseg {
 
-/// Finds what a face takes with it when it passes to another sub-mesh and may not pass alone: where
-/// sub-meshes are narrow, as between holes, some parts hang together by single faces.
+/// Finds which other faces must move with a face that may not move to another sub-mesh alone: where
+/// sub-meshes are narrow, as between holes, some of their parts are connected by single faces only.
 class Branches {
 public:
     explicit Branches(Patchwork& patchwork)
         : patchwork_(patchwork), search_of_(patchwork.cells.size(), kNone) {}
 
-    /// The face, which has an edge to sub-mesh `to`, and the fewest faces of its sub-mesh that were
-    /// found to have to go with it so that both stay connected and free of bowties. Empty when
-    /// that would be more than `max_faces`; looks at no more than some times as many.
+    /// A small set of faces of the sub-mesh of `face`, with `face` first, that can move to sub-mesh
+    /// `to` such that both stay connected and free of bowties. `face` must have an edge to `to`.
+    /// Empty when no set of up to `max_faces` faces was found; the search looks at no more than
+    /// some times as many. The result is valid until the next call.
     const std::vector<int>& find(int face, int to, int max_faces);
 
     /// Faces looked at so far.
@@ -33,14 +34,14 @@ private:
 
     static constexpr int kNone = -1;
 
-    /// For a part of what is left of a sub-mesh.
+    /// A breadth-first search of one connected part of what the branch leaves of its sub-mesh.
     struct Search {
         std::vector<int> faces;
-        /// From `head` on, those whose neighbours were not looked at; none are left once the part
-        /// is known.
+        /// The queue: from `head` on, the faces whose neighbours were not looked at yet. Empty when
+        /// the whole part is found.
         std::vector<int> open;
         std::size_t head;
-        /// The search that goes on with it; itself as long as it goes on.
+        /// The search that this one was merged into, as of a union-find forest; itself if none.
         int into;
 
         void clear_into(int number) {
@@ -53,7 +54,7 @@ private:
 
     Patchwork& patchwork_;
     std::vector<int> search_of_;
-    /// Of those the first so many are in use; the others keep their memory.
+    /// The first search_count_ are in use; the others keep their memory for later.
     std::vector<Search> searches_;
     int search_count_ = 0;
     std::vector<int> branch_;

@@ -102,12 +102,12 @@ private:
         return sum;
     }
 
-    /// One more sub-mesh for a component; the greatest step is taken next.
+    /// One more sub-mesh for a component; the greatest step by operator< is taken next.
     struct Step {
-        /// How much the sum of squares falls.
+        /// How much the sum of squared counts falls.
         double gain;
-        /// How far above the counts that both ends of the step allow the mean counts there are: the
-        /// one that is farther from the middle, and the other one.
+        /// The mean counts before and after the step, less the smallest count after it: the one
+        /// that is farther from 0.5, and the other one.
         double outer;
         double inner;
         int component;
@@ -118,10 +118,11 @@ private:
         }
     };
 
-    /// Gives the rest one by one where the sum of squares falls most: it is convex in each share.
-    /// It falls by m (m + 1) wherever counts stay m or m + 1, and cuts are hardest to find where
-    /// nearly all counts have to be the same. Of such steps therefore those come first that lead
-    /// away from a mean of m + 1, then those that lead least near to one of m.
+    /// Gives the rest one by one where the sum of squares falls most, which is optimal as the sum
+    /// is convex in each share. It falls by the same m (m + 1) wherever counts stay m or m + 1.
+    /// Cuts are hardest to find where nearly all counts of a component have to be the same, so of
+    /// equal steps those come first that lead away from a mean of m + 1, then those that end
+    /// farthest from one of m.
     void give_rest(const Bounds& bounds, int rest, std::vector<int>& shares) const {
         std::priority_queue<Step> queue;
         const auto offer = [&](int i) {

@@ -17,19 +17,20 @@ struct Shares {
     int largest_count = 0;
 };
 
-/// Shares `submesh_count` sub-meshes among components of `face_counts` faces so that the largest
-/// and the smallest sub-mesh differ least; of such shares it takes those with the least largest
-/// sub-mesh, and then the least sum of squared counts. Where counts are m or m + 1 this leaves a
-/// choice: the parts of the sub-meshes with m + 1 are then about equal in all components, and no
-/// component gets only the one or the other as long as other ones can take the rest. Requires
-/// face_counts.size() <= submesh_count <= sum of face_counts and every face count > 0.
-/// O((m c + r) log F) for c components, m at most the smallest face count or F / k, mostly far
-/// fewer, and r of the sub-meshes, the rest over the fewest that the largest count allows.
+/// Distributes `submesh_count` sub-meshes over components of `face_counts` faces so that the
+/// triangle counts of the largest and the smallest sub-mesh differ least. Ties are broken by the
+/// smaller largest count, then by the smaller sum of squared counts. Where all counts are m or m +
+/// 1, that still leaves a choice: the fraction of sub-meshes with m + 1 is then about equal in all
+/// components, and components with only one of the two counts, which are the hardest to cut, are
+/// avoided as far as possible. Requires face_counts.size() <= submesh_count <= sum of face_counts
+/// and every face count > 0. O((m c + r) log F) for c components: m <= min(smallest face count, F /
+/// k) lower bounds of the counts are tried, mostly far fewer, and r <= k sub-meshes are given out
+/// one by one.
 Shares share_submeshes(const std::vector<int>& face_counts, int submesh_count);
 
-/// The same by weight: one sub-mesh for each component, then always one more for the component
-/// with the largest weight per sub-mesh among those with more faces than sub-meshes. No other
-/// shares make that largest weight smaller. O(k log c).
+/// The same by weight: each component gets one sub-mesh, then always the component with the largest
+/// weight per sub-mesh, of those with more faces than sub-meshes, gets one more. No other shares
+/// make the largest weight per sub-mesh smaller. O(k log c).
 std::vector<int> share_submeshes_by_weight(const std::vector<double>& weights,
                                            const std::vector<int>& face_counts,
                                            int submesh_count);

@@ -6,16 +6,16 @@
 
 namespace spheroseg {
 
-/// A start with few sub-meshes: their layout decides how long the boundaries will be, and to try
-/// another one costs little.
+/// One of several starts that compete where there are few sub-meshes: then their layout decides how
+/// long the boundaries will be, and another try costs little.
 struct Trial {
     Patchwork patchwork;
-    /// Its last annealing.
+    /// The schedule of its last annealing.
     AnnealSchedule schedule;
     History history;
 };
 
-/// What trials are to be made.
+/// How many trials to make, and of what.
 struct TrialPlan {
     /// At least 1.
     int count;
@@ -30,26 +30,29 @@ int trial_count(const Budget& budget, int first_face_count);
 
 /// What trials cost, in proposals that one thread makes one after the other, roughly.
 struct TrialWork {
-    /// Making all of them, and going on with the best.
+    /// Of making all trials.
     double making;
+    /// Of annealing the best ones further.
     double finishing;
-    /// The cells of the level that the best one reaches.
+    /// The cells of the level that the best one ends on.
     int face_count;
 
     double proposals() const { return making + finishing; }
 };
 
-/// On a mesh with so many faces.
+/// The work of `plan` on a mesh with `face_count` faces.
 TrialWork trial_work(const TrialPlan& plan, int face_count);
 
-/// Makes `plan.count` trials on the coarsest level with at least `plan.first_face_count` cells and
-/// anneals them up to a level where edges are about equally long; those with the shortest
-/// boundaries go on for some levels, or to the end of a small mesh. Returns the best one, annealed
-/// on its level. Of every four trials one is annealed without a care for connectedness first, so
-/// that boundaries can begin to pass through holes and handles, and one is cut in two again and
-/// again with an annealing after each cut, which finds rings. They are worked on side by side; the
-/// result does not depend on the number of threads. When the time is up, fewer are made. Throws
-/// Cancelled.
+/// Makes `plan.count` trials on the coarsest level with at least `plan.first_face_count` cells, and
+/// anneals them up to a level on which edges are about equally long, so that boundaries can be
+/// compared. The best ones are annealed on some finer levels, or up to the finest of a small mesh.
+/// Returns the one with the shortest boundary, annealed on its level.
+///
+/// Trials begin with bisection and relaxation, but for one of every four: that one is bisected step
+/// by step with an annealing after each step, which finds rings. Another one of the four is
+/// annealed without regard to connectedness first (anneal_freely), so that boundaries can get into
+/// holes and handles. Trials run side by side; the result does not depend on the number of threads.
+/// When `deadline` has expired, no further ones are begun. Throws Cancelled.
 Trial best_of_trials(const Multilevel& multilevel,
                      const TrialPlan& plan,
                      std::uint64_t seed,

@@ -7,9 +7,11 @@
 
 namespace spheroseg {
 
-/// Calls visit(corner) for the corners (3 * face + corner) of one vertex that lie side by side
-/// beyond the side `exit` of a corner's face, each once; true when they lead back to it. Needs a
-/// dual graph that joins no face that names a vertex twice, and no common orientation of the faces.
+/// Walks around the vertex of corner `start` (3 * face + corner), leaving its face across the side
+/// `exit`, one of the two at that corner. Calls visit(corner) for each further corner of the fan,
+/// in order. Returns true when the walk comes back to `start`, false when it ends at a side across
+/// which the dual graph has no neighbour. Works for any orientation of the faces; the dual graph
+/// must not join faces that name a vertex twice.
 template <typename Visit>
 bool follow_fan(const TriangleMesh& mesh,
                 const DualGraph& dual_graph,

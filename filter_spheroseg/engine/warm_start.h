@@ -8,20 +8,21 @@
 
 namespace spheroseg {
 
-/// Makes labels that somebody else chose (each in [0, submesh_count) or -1: that of the nearest
-/// face that has one; on the finest level) a start for the refinement: every sub-mesh
-/// edge-connected and free of bowties, with a load between half and twice the mean as far as that
-/// is possible. Sound sub-meshes of such loads keep their faces. Of the others the largest piece
-/// stays; those that are too light are dissolved, and those that are too heavy are parted by
-/// bisection, where the first part keeps the label and the others get the labels that became free.
-/// Loads are brought up to date. The patchwork is marked as by `repair` where that left a bowtie.
-/// Deterministic; `seed` shifts bisections. Throws Cancelled when the progress callback asks for
-/// it.
+/// Turns labels of any origin into a start for the refinement: afterwards every sub-mesh is
+/// edge-connected and free of bowties and has a load between half and twice the mean, as far as
+/// that is possible. `patchwork` is on the finest level, its labels are in [0, submesh_count) or
+/// -1; a face with -1 takes the label of the nearest face that has one.
+///
+/// Sound sub-meshes with such loads keep their faces. Of the others the largest piece stays; those
+/// that are too light are dissolved, and those that are too heavy are divided by bisection: the
+/// first part keeps the label, the others get labels that became free. Loads are brought up to
+/// date; `may_be_unsound` is set as by `repair`. Deterministic; `seed` shifts the bisections.
+/// Throws Cancelled when the progress callback asks for it.
 void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress = {});
 
-/// Gives `labels` new names (numbers in [0, submesh_count)) so that many faces have the name that
-/// they have in `names` (-1: none): pairs of old and new name with the most common faces first.
-/// To do it again changes nothing.
+/// Renumbers `labels` by a permutation of [0, submesh_count) so that many faces get the label that
+/// they have in `names` (-1: none). Greedy: pairs of a label and a name are matched in the order of
+/// the faces that they have in common, the most first. Idempotent. O(F log F).
 void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count);
 
 /// Number of different labels.
