@@ -17,9 +17,9 @@ namespace {
 constexpr int kMinLabelsPerGroup = 24;
 constexpr int kMaxLabelsPerGroup = 96;
 constexpr int kWantedGroups = 32;
-/// What different threads write to lies so far apart: no cache line is shared.
+/// Numbers that different threads write are kept so far apart that they share no cache line.
 constexpr int kIntsPerLine = 16;
-/// Which sub-meshes are neighbours changes little from phase to phase.
+/// Phases that use one graph of sub-meshes: which ones are neighbours changes little in between.
 constexpr int kPhasesPerGraph = 4;
 /// The place of a listed face that touches no other label.
 constexpr int kNowhere = -1;
@@ -109,41 +109,47 @@ int Grouping::draw_groups(const Patchwork& patchwork,
         std::clamp(submesh_count / kWantedGroups, kMinLabelsPerGroup, kMaxLabelsPerGroup);
     const int wanted = std::max(1, submesh_count / labels_per_group);
     group_of_label_.assign(submesh_count, wanted == 1 ? 0 : -1);
+    if (wanted == 1) {
+        return 1;
+    }
+    if (phase_++ % kPhasesPerGraph == 0) {
+        graph_ = build_submesh_graph(patchwork, boundary.faces());
+    }
+    Random random(seed, 0x67726f7570ULL);
+    std::vector<int> queue;
+    queue.reserve(submesh_count);
+    for (int g = 0; g < wanted; ++g) {
+        const int label = static_cast<int>(random.below(submesh_count));
+        if (group_of_label_[label] < 0) {
+            group_of_label_[label] = g;
+            queue.push_back(label);
+        }
+    }
+    grow_groups(queue);
     int group_count = wanted;
-    if (wanted > 1) {
-        if (phase_++ % kPhasesPerGraph == 0) {
-            graph_ = build_submesh_graph(patchwork, boundary.faces());
-        }
-        Random random(seed, 0x67726f7570ULL);
-        std::vector<int> queue;
-        queue.reserve(submesh_count);
-        for (int g = 0; g < wanted; ++g) {
-            const int label = static_cast<int>(random.below(submesh_count));
-            if (group_of_label_[label] < 0) {
-                group_of_label_[label] = g;
-                queue.push_back(label);
-            }
-        }
-        for (int next_unseen = 0; next_unseen < submesh_count; ++next_unseen) {
-            for (std::size_t head = 0; head < queue.size(); ++head) {
-                const int label = queue[head];
-                for (int i = graph_.begin[label]; i < graph_.begin[label + 1]; ++i) {
-                    const int other = graph_.neighbors[i];
-                    if (group_of_label_[other] < 0) {
-                        group_of_label_[other] = group_of_label_[label];
-                        queue.push_back(other);
-                    }
-                }
-            }
-            queue.clear();
-            // Another component of the surface.
-            if (group_of_label_[next_unseen] < 0) {
-                group_of_label_[next_unseen] = group_count++;
-                queue.push_back(next_unseen);
-            }
+    for (int l = 0; l < submesh_count; ++l) {
+        // On another component of the surface.
+        if (group_of_label_[l] < 0) {
+            group_of_label_[l] = group_count++;
+            queue.push_back(l);
+            grow_groups(queue);
         }
     }
     return group_count;
+}
+
+void Grouping::grow_groups(std::vector<int>& queue) {
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+        const int label = queue[head];
+        for (int i = graph_.begin[label]; i < graph_.begin[label + 1]; ++i) {
+            const int other = graph_.neighbors[i];
+            if (group_of_label_[other] < 0) {
+                group_of_label_[other] = group_of_label_[label];
+                queue.push_back(other);
+            }
+        }
+    }
+    queue.clear();
 }
 
 int Grouping::place_of(const Patchwork& patchwork, int face, int idle) const {
@@ -151,7 +157,7 @@ int Grouping::place_of(const Patchwork& patchwork, int face, int idle) const {
     const int group = group_of_label_[label];
     bool touches_another = false;
     bool touches_its_group = false;
-    // Without branches: which sides touch what is a coin toss.
+    // Without branches: which sides touch what is unpredictable.
     for (int c = 0; c < 3; ++c) {
         const int across = patchwork.label_across(face, c);
         const int other = across == kOpenBorder ? label : across;

@@ -55,7 +55,7 @@ struct SubmeshGraph {
     std::vector<int> neighbors;
 };
 
-/// Parts the sub-meshes into groups of neighbours, and the boundary faces with them.
+/// Partitions the sub-meshes into groups of neighbours, and the boundary faces with them.
 class Grouping {
 public:
     /// Draws other groups: random seeds, grown breadth first over the graph of sub-meshes.
@@ -78,8 +78,11 @@ public:
 private:
     /// Returns the number of groups.
     int draw_groups(const Patchwork& patchwork, const BoundaryFaces& boundary, std::uint64_t seed);
+    /// Grows the groups of the labels in `queue` breadth first over labels without one; empties it.
+    void grow_groups(std::vector<int>& queue);
     void place_loads(const std::vector<int>& loads, int group_count);
-    /// Its group; `idle` if it touches labels of other groups only; below 0 if it touches none.
+    /// The group of a face; `idle` if it touches labels of other groups only; below 0 if it touches
+    /// no other label.
     int place_of(const Patchwork& patchwork, int face, int idle) const;
     void place_faces(const Patchwork& patchwork,
                      BoundaryFaces& boundary,
@@ -93,9 +96,9 @@ private:
     /// threads do not write to the same cache lines.
     std::vector<int> loads_;
     std::vector<int> slot_of_label_;
-    /// Per group its faces, then the idle ones.
+    /// Per group its faces; the last entry holds the idle ones.
     std::vector<std::vector<int>> faces_;
-    /// Per listed face its index there.
+    /// Per listed face the result of place_of: its index in faces_.
     std::vector<int> places_;
 };
 
