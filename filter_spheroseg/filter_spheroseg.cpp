@@ -9,10 +9,12 @@
 #include "new_layers.h"
 #include "parameters.h"
 
+#include <algorithm>
+
 using namespace spheroseg;
 
-// The Python package searches the file for this text, to say what a plugin that can not be loaded
-// was built for.
+// The Python package searches the library file for this text (install.py), to say what a plugin
+// that can not be loaded was built for.
 extern "C" [[gnu::used]] Q_DECL_EXPORT const char spheroseg_host[] =
     "SpheroSeg built for MeshLab " meshlab_xstr(MESHLAB_VERSION) " (" meshlab_xstr(
         MESHLAB_SCALAR) ")";
@@ -43,6 +45,17 @@ private:
     std::atomic<bool>& running_;
 };
 
+/// As read_labels; throws InvalidInput for a mesh without faces, too.
+std::vector<int> read_labels_of_faces(const CMeshO& mesh, const HostMesh& host) {
+    std::vector<int> labels = read_labels(mesh, host);
+    if (labels.empty()) {
+        throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
+                           "mesh first.");
+    }
+    return labels;
+}
+
+/// The model that was read when the filter began. Throws InvalidInput when it is gone or changed.
 MeshModel& still_the_same(MeshDocument& document,
                           int mesh_id,
                           const HostMesh& host,
@@ -274,12 +287,8 @@ Results FilterSpheroSegPlugin::parametrize(MeshDocument& document,
 }
 
 Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
-    HostMesh host = read_mesh(model.cm);
-    const std::vector<int> labels = read_labels(model.cm, host);
-    if (labels.empty()) {
-        throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
-                           "mesh first.");
-    }
+    const HostMesh host = read_mesh(model.cm);
+    const std::vector<int> labels = read_labels_of_faces(model.cm, host);
     const int submesh_count = *std::max_element(labels.begin(), labels.end()) + 1;
     const DualGraph dual_graph = build_dual_graph(host.mesh);
     const Measures measures = spheroseg::measure(host.mesh, dual_graph, labels, submesh_count, 0);
@@ -290,11 +299,7 @@ Results FilterSpheroSegPlugin::measure(const MeshModel& model) {
 Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document, const Progress& progress) {
     const MeshModel& source = *document.mm();
     const HostMesh host = read_mesh(source.cm);
-    const std::vector<int> labels = read_labels(source.cm, host);
-    if (labels.empty()) {
-        throw InvalidInput("At least one face is expected, but the mesh has none. Open a triangle "
-                           "mesh first.");
-    }
+    const std::vector<int> labels = read_labels_of_faces(source.cm, host);
     const int layer_count = generate_submesh_layers(document, source, host, labels, progress);
     log("%i layers made, one for each sub-mesh", layer_count);
     return {{"layer_count", layer_count}};

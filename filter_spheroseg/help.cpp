@@ -5,20 +5,6 @@
     "<b>See</b> Huadong Zhang, Lizhou Cao, Chao Peng: <i>Spherical Parametric Measurement for "    \
     "Continuous and Balanced Mesh Segmentation</i>, High-Performance Graphics, 2023."
 
-#define SPHEROSEG_PRECONDITION                                                                     \
-    "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "       \
-    "component and genus 0 (no handles: a ball or an animal, not a ring) with finite "             \
-    "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "   \
-    "what is wrong, and changes nothing.<br>"
-
-#define SPHEROSEG_MEASURES                                                                         \
-    "<i>boundary_edge_count</i> (edges between two sub-meshes), "                                  \
-    "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "               \
-    "<i>coefficient_of_variation</i> (of the triangle counts), <i>bowtie_count</i> (vertices "     \
-    "where a sub-mesh touches itself), <i>disconnected_submesh_count</i>, <i>disk_count</i> "      \
-    "(sub-meshes that are topological disks), <i>boundary_edge_ratio</i> (boundary edges over "    \
-    "all edges)"
-
 namespace spheroseg {
 
 const char* const kSegmentationHelp =
@@ -47,7 +33,11 @@ const char* const kParametrizationHelp =
     "Maps a mesh onto the unit sphere without flipped triangles: the mesh is collapsed to a "
     "tetrahedron, whose vertices are put on the sphere, and the others are inserted again in "
     "reverse order, each where the shape of the triangles around it suffers "
-    "least.<br>" SPHEROSEG_PRECONDITION
+    "least.<br>"
+    "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "
+    "component and genus 0 (no handles: a ball or an animal, not a ring) with finite "
+    "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "
+    "what is wrong, and changes nothing.<br>"
     "<b>Writes</b> the place of each vertex on the sphere as per-vertex custom point attribute "
     "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation takes "
     "it where it needs a map: <i>all_pairs</i>, and <i>fast</i> with effort <i>high</i> from 50 "
@@ -65,8 +55,13 @@ const char* const kMeasuresHelp =
     "<b>Needs</b> face quality with whole numbers from 0 to 16777215; anything else is an error. "
     "The mesh may be open and of any genus; an edge on an open border is no boundary edge.<br>"
     "<b>Writes</b> nothing.<br>"
-    "<b>Returns</b> " SPHEROSEG_MEASURES ", and <i>submesh_triangles</i> (triangle count of each "
-    "label from 0 to the largest).<br>" SPHEROSEG_CITATION;
+    "<b>Returns</b> <i>boundary_edge_count</i> (edges between two sub-meshes), "
+    "<i>max_triangle_count_difference</i> (largest minus smallest triangle count), "
+    "<i>coefficient_of_variation</i> (of the triangle counts), <i>bowtie_count</i> (vertices "
+    "where a sub-mesh touches itself), <i>disconnected_submesh_count</i>, <i>disk_count</i> "
+    "(sub-meshes that are topological disks), <i>boundary_edge_ratio</i> (boundary edges over all "
+    "edges), and <i>submesh_triangles</i> (triangle count of each label from 0 to the "
+    "largest).<br>" SPHEROSEG_CITATION;
 
 const char* const kLayersHelp =
     "Makes a new layer for each sub-mesh that is given by the labels in face quality, whoever "

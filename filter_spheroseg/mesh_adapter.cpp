@@ -6,12 +6,14 @@
 #include <vcg/complex/algorithms/update/bounding.h>
 #include <vcg/complex/algorithms/update/normal.h>
 
+#include <cmath>
 #include <string>
 
 namespace spheroseg {
 
 namespace {
 
+/// Labels lie below: larger whole numbers have no exact value in single precision.
 constexpr int kLabelLimit = 1 << 24;
 
 using Allocator = vcg::tri::Allocator<CMeshO>;
@@ -74,8 +76,8 @@ std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted) {
         const double quality = static_cast<double>(host.face[adapted.face_index[i]].cQ());
         // Written so that NaN fails as well.
         if (!(quality >= 0.0 && quality < kLabelLimit && quality == std::floor(quality))) {
-            throw InvalidInput("Labels are expected as whole numbers from 0 to 16777215 in the "
-                               "face quality, but face " +
+            throw InvalidInput("Labels are expected as whole numbers from 0 to " +
+                               std::to_string(kLabelLimit - 1) + " in the face quality, but face " +
                                std::to_string(adapted.face_index[i]) + " has " + to_text(quality) +
                                ". Run a segmentation first, or correct the face quality.");
         }

@@ -21,6 +21,7 @@ struct HostMesh {
     std::vector<int> vertex_index;
 };
 
+/// O(V + F).
 HostMesh read_mesh(const CMeshO& host);
 
 /// True when the host still has all elements where they were when `adapted` was read from it, and
@@ -30,9 +31,14 @@ bool has_same_elements(const CMeshO& host,
                        const HostMesh& adapted,
                        const std::vector<Triangle>& faces);
 
-/// Labels in face quality. Throws InvalidInput when the mesh has no face quality, or when a value
-/// is not a whole number in [0, 2^24): a single precision host holds no larger ones exactly.
+/// Labels in face quality, one per face of `adapted`. Throws InvalidInput when the mesh has no face
+/// quality, or when a value is not a whole number in [0, 2^24): a single precision host holds no
+/// larger ones exactly.
 std::vector<int> read_labels(const CMeshO& host, const HostMesh& adapted);
+
+/// Throws InvalidOptions when `submesh_count` sub-meshes have more labels than face quality can
+/// hold, 2^24.
+void check_label_range(int submesh_count);
 
 /// A per-face custom scalar attribute. Throws InvalidInput when the mesh has none with this name;
 /// the message lists those that it has.
@@ -42,19 +48,17 @@ read_face_attribute(const CMeshO& host, const HostMesh& adapted, const std::stri
 /// The `sphere_position` attribute, or nothing when the mesh has none.
 std::optional<std::vector<Vec3>> read_sphere_positions(const CMeshO& host, const HostMesh& adapted);
 
-/// Throws InvalidOptions when the labels of so many sub-meshes would not be such numbers.
-void check_label_range(int submesh_count);
-
-/// Face quality must be enabled.
+/// Writes labels to face quality, which must be enabled.
 void write_labels(CMeshO& host, const HostMesh& adapted, const std::vector<int>& labels);
 
-/// Face colours must be enabled.
+/// Gives each face the colour of its label; face colours must be enabled.
 void write_face_colors(CMeshO& host,
                        const HostMesh& adapted,
                        const std::vector<int>& labels,
                        const std::vector<std::array<std::uint8_t, 3>>& submesh_colors);
 
-/// Creates the attribute when it is missing; one with another type is replaced.
+/// Writes the `sphere_position` attribute; creates it when it is missing, and replaces one of
+/// another type.
 void write_sphere_positions(CMeshO& host,
                             const HostMesh& adapted,
                             const std::vector<Vec3>& sphere_positions);
