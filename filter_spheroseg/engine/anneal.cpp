@@ -12,10 +12,11 @@ namespace spheroseg {
 
 namespace {
 
-/// Less than that is not worth another thread.
+/// Proposals of a phase that make another thread worth while.
 constexpr int kProposalsPerThread = 2000;
 
-/// Faces of each label that may lie beside another sub-mesh: some have left it, or are there twice.
+/// Per label a list of candidates for the second half of an exchange: faces that may lie on the
+/// boundary of the sub-mesh. Some may have another label by now, or be listed twice.
 class PartnerLists {
 public:
     explicit PartnerLists(int submesh_count) : lists_(submesh_count) {}

@@ -19,12 +19,12 @@ struct AnnealSchedule {
     /// any).
     double proposals_per_face = 100.0;
     int phase_count = 24;
-    /// At least so many in all, however few faces there are.
+    /// At least so many proposals over all phases, however few boundary faces there are.
     double least_proposals = 0.0;
-    /// Only at exact balance or below a limit. 0: each phase draws other groups of sub-meshes. Else
-    /// so many rounds draw them, each anneals them over all phases, and what made the boundaries
-    /// inside a group longer is undone: what was found in one place is kept while the search goes
-    /// on in another.
+    /// For anneal_balanced and anneal_below only. 0: each phase draws new groups of sub-meshes.
+    /// Else the number of rounds: each round draws groups and runs all phases on them; then the
+    /// groups whose inner boundaries got longer are reset to their labels before the round. So what
+    /// is gained in one place is kept while the search goes on elsewhere.
     int round_count = 0;
     /// In boundary edges; falls geometrically over the phases.
     double temperature_begin = 0.6;
@@ -52,7 +52,7 @@ private:
     }
 };
 
-/// What a run over phases watches and tells.
+/// What limits a run over phases, and where it reports to.
 struct AnnealControl {
     /// May be null. Stops early, between two phases, when it has expired.
     const Deadline* deadline = nullptr;

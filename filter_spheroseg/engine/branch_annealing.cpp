@@ -16,8 +16,9 @@ namespace {
 constexpr int kMaxBranchFaces = 128;
 /// Faces looked at between two reports of progress: about a millisecond.
 constexpr std::int64_t kWorkPerReport = 30000;
-/// Loads are off where these parts of all faces, and so many faces per sub-mesh, are too many or
-/// too few. Without narrow limbs it was at most 0.4 % of them, or one face.
+/// Thresholds of is_stuck for the sum of the deviations of all loads from the mean: as a part of
+/// all faces, and in faces per sub-mesh. Without narrow limbs it was at most 0.4 % of all faces, or
+/// one per sub-mesh.
 constexpr double kPartOff = 0.01;
 constexpr double kFacesOff = 2.0;
 

@@ -8,8 +8,8 @@
 
 namespace spheroseg {
 
-/// One edge-connected component of a mesh, with what a segmentation of it needs for any k. Its
-/// faces are oriented alike as far as it is orientable.
+/// One edge-connected component of a mesh, with the levels that serve its segmentation for any k.
+/// Its faces are oriented alike as far as it is orientable.
 class Component {
 public:
     /// The component with the faces `faces` (indices into `mesh`, increasing). O(its size) with
@@ -27,9 +27,9 @@ public:
     /// The face of the whole mesh that face `f` of the component is.
     int mesh_face(int f) const { return faces_.empty() ? f : faces_[f]; }
 
-    /// These are built on first use and kept: how it collapses, its levels, and the finest one
-    /// alone, which needs no hierarchy. Levels that are built without one being there keep none:
-    /// it takes 30 bytes per face.
+    /// Built on first use and kept: the collapse hierarchy, all levels, and the finest level alone,
+    /// which needs no hierarchy. `multilevel` uses the hierarchy if it is there; else it builds one
+    /// and drops it, since it takes 30 bytes per face.
     const CollapseHierarchy& hierarchy(int thread_count, const Progress& progress);
     const Multilevel& multilevel(int thread_count, const Progress& progress);
     const Multilevel& finest_level(int thread_count);

@@ -21,7 +21,7 @@ namespace spheroseg {
 
 namespace {
 
-/// Smaller components are worked on side by side, one thread each.
+/// Faces below which components are segmented in parallel, one thread each.
 constexpr int kLargeComponent = 16384;
 /// Heaviest loads that differ by less than this part of the mean count as equal.
 constexpr double kSameBalance = 0.001;
@@ -207,11 +207,11 @@ private:
         const int threads = resolve_thread_count(options_.thread_count);
         const auto count = static_cast<int>(small.size());
         const auto report = [&] { return !progress_ || progress_(done(), "Components"); };
-        run_tasks(count, threads, report, [&](int i, const Progress& heard) {
-            segment_one(small[i], options, nullptr, heard);
+        run_tasks(count, threads, report, [&](int i, const Progress& progress) {
+            segment_one(small[i], options, nullptr, progress);
             done_faces_ += (*components_)[small[i]].face_count();
         });
-        // Side by side they spend more seconds than pass.
+        // Tasks that run in parallel spend more seconds than pass: scaled to wall-clock time.
         const double passed = watch.elapsed_seconds();
         const double spent = seconds_.sum();
         if (spent > passed) {

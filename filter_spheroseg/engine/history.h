@@ -7,7 +7,7 @@ namespace spheroseg {
 
 /// The iterations of a start, those of its cohesion first.
 struct History {
-    /// After each iteration; of a relaxation, before it.
+    /// Number of boundary edges after each iteration; those of a relaxation: before it.
     std::vector<double> boundary_edges;
     std::vector<double> seconds;
     int cohesion_iterations = 0;

@@ -43,11 +43,12 @@ private:
     int left_;
 };
 
-/// Runs task(i, watch) for i in [0, count), side by side on at most `thread_count` threads, and
-/// rethrows what one of them throws first; after a failure no other task is begun. Each gives
-/// `watch` to what it calls, as its progress; report() is called on the calling thread only, when
-/// that hears its watch or has no task left, and answers false to have all tasks end with
-/// Cancelled.
+/// Runs task(i, progress) for i in [0, count) in parallel on at most `thread_count` threads. A task
+/// passes its `progress` to what it calls; what it reports there is ignored. On the calling thread
+/// such a report calls report(), and so does that thread every few hundredths of a second when it
+/// has no task left; report() is never called on another one. When it returns false, all running
+/// tasks end with Cancelled at their next report. Rethrows the first exception of a task or of
+/// report(); after one no further task is begun.
 template <typename Report, typename Task>
 void run_tasks(int count, int thread_count, const Report& report, const Task& task) {
     std::atomic<bool> stopped{false};
@@ -56,9 +57,9 @@ void run_tasks(int count, int thread_count, const Report& report, const Task& ta
     TaskCount tasks(count);
 #pragma omp parallel num_threads(std::max(1, std::min(count, thread_count)))
     {
-        const bool reports = omp_get_thread_num() == 0;
-        const auto hear = [&] {
-            if (reports && !cancelled) {
+        const bool is_caller = omp_get_thread_num() == 0;
+        const auto report_on_caller = [&] {
+            if (is_caller && !cancelled) {
                 bool goes_on = false;
                 failure.guard([&] { goes_on = report(); });
                 cancelled = !goes_on;
@@ -70,13 +71,13 @@ void run_tasks(int count, int thread_count, const Report& report, const Task& ta
                 if (stopped) {
                     return;
                 }
-                const Progress watch = [&](double, const char*) {
-                    hear();
+                const Progress progress = [&](double, const char*) {
+                    report_on_caller();
                     return !cancelled;
                 };
                 try {
-                    report_progress(watch, 0.0, "");
-                    task(i, watch);
+                    report_progress(progress, 0.0, "");
+                    task(i, progress);
                 } catch (...) {
                     stopped = true;
                     throw;
@@ -84,8 +85,8 @@ void run_tasks(int count, int thread_count, const Report& report, const Task& ta
             });
             tasks.end_one();
         }
-        if (reports) {
-            tasks.await_all(hear);
+        if (is_caller) {
+            tasks.await_all(report_on_caller);
         }
     }
     failure.rethrow();

@@ -17,7 +17,7 @@ namespace spheroseg {
 
 namespace {
 
-/// Distance of two neighbouring faces; offsets are finer than that.
+/// Distance of two neighbouring faces in the units of offsets, which so can be fractions of it.
 constexpr int kStep = 8;
 
 /// An iteration takes several times as long per face as a plain loop.
@@ -93,19 +93,19 @@ private:
         Key key;
     };
 
-    /// What one thread works on in its own cache, without meeting others: a range of faces for what
-    /// is done face by face, and a range of labels for the rest. At first these are about the same
-    /// faces, and they drift apart little.
+    /// The work of one thread at a time, small enough for its own cache: a range of faces for loops
+    /// over faces, and a range of labels for all that goes by sub-mesh. At first the faces are
+    /// those of the labels, and the two drift apart little.
     struct Part {
         int number = 0;
         int first_face = 0;
         int end_face = 0;
         int first_label = 0;
         int end_label = 0;
-        /// Boundary faces of its range that have labels of other parts.
+        /// Boundary faces in its range of faces whose labels are in the ranges of other parts.
         std::vector<int> strays;
-        /// The boundary faces of its labels; then faces by distance, and where the distances
-        /// change.
+        /// The boundary faces of its labels at first; then a breadth-first queue of faces by
+        /// distance, and where in it each distance ends.
         std::vector<int> queue;
         std::vector<int> segments;
         /// Faces where waves begin, or go on, and at which distance.
@@ -196,7 +196,8 @@ private:
         }
     }
 
-    /// Which faces are on the boundary can not be foreseen: all are appended, these are counted.
+    /// Whether a face is on the boundary is unpredictable: without a branch all are written to the
+    /// end of the queue, which grows past boundary faces only.
     void list_boundary(Part& part) {
         part.queue.resize(part.end_face - part.first_face);
         part.strays.clear();
@@ -229,10 +230,10 @@ private:
         }
     }
 
-    /// Finds a face of each sub-mesh that is farthest from its boundary. Among several it takes one
-    /// that is farthest from the centre before, so that centres do not linger on their way; among
-    /// these a random one, another one in each iteration: a fixed choice pulls all centres one way
-    /// where faces are numbered regularly.
+    /// Finds a face of each sub-mesh that is farthest from its boundary. Of several it takes one
+    /// that is farthest from the previous centre, so that centres move on quickly; of these a
+    /// random one, redrawn in each iteration: a fixed choice would pull all centres in one
+    /// direction where faces are numbered regularly.
     void find_centers(Part& part) {
         sort_by_ring(part);
         std::fill(centers_.begin() + part.first_label, centers_.begin() + part.end_label, Center{});

@@ -12,6 +12,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -24,20 +25,20 @@ constexpr int kMaxTrials = 12;
 constexpr int kCellsPerTrial = 20;
 /// Every trial is annealed up to the first level with so many cells.
 constexpr int kTrialFaces = 4000;
-/// So many of the best trials go on up to a level with so many cells, unless one is much worse than
-/// the best.
+/// This many of the best trials are annealed further, up to a level with kFinalFaces cells; but
+/// none with kMuchWorse times the boundary edges of the best.
 constexpr std::ptrdiff_t kFinalists = 2;
 constexpr int kFinalFaces = 16000;
 constexpr double kMuchWorse = 1.15;
-/// A trial is judged by its boundaries where it is about balanced: with narrow limbs that may cost
-/// much.
+/// Strength of the pull towards balance on the last level before trials are compared (set_balance):
+/// with narrow limbs balance may cost many boundary edges, so it must be reached about equally.
 constexpr double kJudgedBalance = 10.0;
 /// Free annealing begins so hot, with so many times the proposals, that the layout melts.
 constexpr double kMelting = 1.0;
 constexpr double kMeltingProposals = 2.0;
-/// Melting or cutting takes about this part of such a trial.
+/// The part of a trial that free annealing or step-by-step bisection takes, for the progress.
 constexpr double kBegun = 0.6;
-/// A relaxation passes over so many cells in the time of a proposal.
+/// Cells of a relaxation that take as long as one proposal.
 constexpr double kRelaxedPerProposal = 5.0;
 
 struct Candidate {
@@ -92,12 +93,12 @@ private:
             return !progress || progress(sum / count, "Trials");
         };
         const int threads = resolve_thread_count(plan_.schedules.thread_count);
-        run_tasks(count, threads, report, [&](int i, const Progress& heard) {
+        run_tasks(count, threads, report, [&](int i, const Progress& task_progress) {
             AnnealControl control;
             control.deadline = &deadline_;
             control.progress = [&](double part, const char* step) {
                 parts[i] = part;
-                return heard(part, step);
+                return task_progress(part, step);
             };
             work(i, control);
             parts[i] = 1.0;
