@@ -11,22 +11,22 @@ _OWN_GROUP = Path("/proc/self/cgroup")
 
 
 def core_count() -> int:
-    """Those that it may run on, in a job of Slurm not all that the machine has; OpenMP starts as
-    many threads."""
+    """How many cores this process may run on, which is also how many threads OpenMP starts. Fewer
+    than the machine has where the affinity is restricted, as in a job of Slurm."""
     allowed = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed else os.cpu_count() or 1
 
 
 def busy_core_count() -> int:
-    """As many of them as it can keep busy: a container may have a share of their time (`docker
-    --cpus`, the limits of Kubernetes), which is rounded up."""
+    """How many of these cores the process can keep busy: fewer where a control group limits its
+    processor time (`docker --cpus`, the limits of Kubernetes); fractions are rounded up."""
     return min([core_count(), *map(math.ceil, _shares())])
 
 
 def _shares() -> Iterator[float]:
-    """The limits in cores of the control groups that the process is in.
+    """The limits, in cores, of the control groups that the process is in.
 
-    With version 1 of such groups only that of a container, which sees its own as the outermost.
+    Of version 1 of control groups only the outermost one is read: in a container its own.
     """
     group = _GROUPS / _text(_OWN_GROUP).rpartition("::")[2].strip().strip("/")
     limits = [_text(folder / "cpu.max") for folder in (group, *group.parents)]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 
 class Counts(NamedTuple):
-    """None: not known."""
+    """What a file declares; None where that is not known."""
 
-    #: That the faces make, were none left out.
+    #: Triangles that all faces of the file make, polygons cut into triangles.
     triangles: int | None = None
     vertices: int | None = None

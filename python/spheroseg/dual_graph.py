@@ -40,8 +40,8 @@ class DualGraph:
         return lowest_connected(self.face_count, *self.edges().T)
 
     def fan_of_corner(self, faces: np.ndarray) -> np.ndarray:
-        """(F, 3) numbers: the same for corners at one vertex whose triangles hang together there by
-        edges. A vertex where a surface is pinched has several such fans."""
+        """(F, 3) int: equal for two corners in one fan, that is at one vertex, around which edges
+        connect their triangles. A vertex where a surface is pinched has several fans."""
         face, side = np.nonzero(self.neighbours >= 0)
         beyond = faces[self.neighbours[face, side]]
         links = []
@@ -53,7 +53,10 @@ class DualGraph:
 
 
 def lowest_connected(count: int, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """For each of `count` things the lowest one that links from `left` to `right` lead to."""
+    """(count,) int: for each node of an undirected graph the lowest node of its component.
+
+    left, right: the nodes in [0, count) that each edge joins.
+    """
     lowest = np.arange(count)
     while (apart := lowest[left] != lowest[right]).any():
         left, right = left[apart], right[apart]

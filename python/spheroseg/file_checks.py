@@ -63,9 +63,10 @@ def check_name(path: Path) -> None:
 
 
 def checked_counts(path: Path) -> Counts:
-    """Of a ply, off, obj or stl file, the latter without vertices, as it shares none.
+    """Checks a ply, off, obj or stl file and returns the triangles and vertices that it declares.
 
-    Raises InputError for a file that is damaged in such a way.
+    Vertices are unknown (None) for stl, where triangles share none; both are for other formats,
+    which are not checked. Raises InputError for a file that PyMeshLab must not be given to read.
     """
     suffix = path.suffix.lower()
     if suffix in (".obj", ".qobj"):

@@ -118,7 +118,9 @@ def _starts(owner: np.ndarray, count: int) -> np.ndarray:
 
 
 def _origin(points: np.ndarray) -> np.ndarray:
-    """Itself of single precision, for those who add it to positions in that."""
+    """The origin of `SubMeshes`: 0, or a point amid points that lie so far away that single
+    precision would lose their shape. Its own coordinates are exact in single precision, as some
+    readers add it to the positions there."""
     low, high = points.min(axis=0), points.max(axis=0)
     with np.errstate(over="ignore"):
         size = (high - low).max()

@@ -16,8 +16,8 @@ PADDING = bytes(_MOST_DIGITS + 2)
 BLANK, _PLUS, _MINUS, _ZERO, _POINT, _EXPONENT = b" +-0.e"
 _LOWER_CASE = 0x20
 _OF_FIGURES = b" \t\n\v\f\r0123456789+-.eE\0"
-#: Words that are numbers without figures for C's scanf, and for its atof.
-OF_SCANF = re.compile(rb"[+-]?(nan|inf|infinity)(?![!-~])", re.I)
+#: Words without digits that are numbers to C's scanf, and to its atof.
+_OF_SCANF = re.compile(rb"[+-]?(nan|inf|infinity)(?![!-~])", re.I)
 OF_ATOF = re.compile(rb"[+-]?(nan(\(\w*\))?|inf|infinity)(?![!-~])", re.I)
 _MOST_SHOWN = 40
 
@@ -33,7 +33,7 @@ def no_number(path: Path, line: int, word: str) -> InputError:
 
 
 def others_than(characters: bytes, text: np.ndarray) -> np.ndarray:
-    """Where the text has other characters than these."""
+    """The places at which the text has a character that is not one of `characters`."""
     if not text.tobytes().translate(None, characters):  # faster than what follows
         return np.zeros(0, dtype=np.int64)
     is_other = np.ones(256, dtype=bool)
@@ -50,7 +50,8 @@ def word_begins(text: np.ndarray) -> np.ndarray:
 
 
 def whole_numbers(text: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The number at each place, 0 where there is none, as C's atoi reads it."""
+    """int64: the number at each place as C's atoi reads it, 0 where there is none. At most
+    _MOST_DIGITS digits count. The text must end with PADDING."""
     negative = text[places] == _MINUS
     places = places + (negative | (text[places] == _PLUS))
     numbers = np.zeros(len(places), dtype=np.int64)
@@ -65,10 +66,13 @@ def whole_numbers(text: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def number_kinds(
-    text: np.ndarray, begins: np.ndarray, without_figures: re.Pattern = OF_SCANF
+    text: np.ndarray, begins: np.ndarray, without_figures: re.Pattern = _OF_SCANF
 ) -> tuple[np.ndarray, int | None]:
-    """Of each word whether it is no fraction and has no exponent; and the first word that C would
-    not take for one number."""
+    """For each word whether it has neither a fraction nor an exponent, and the index of the first
+    word that C does not read as one number, or None.
+
+    text: uint8, ends with PADDING. begins: where the words begin, rising.
+    """
 
     def words_at(places: np.ndarray) -> np.ndarray:
         return np.searchsorted(begins, places, side="right") - 1

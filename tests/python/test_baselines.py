@@ -76,7 +76,7 @@ def test_dual_graph_refuses_edge_with_three_triangles():
         build_dual_graph(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]))
 
 
-@pytest.mark.parametrize("name", baselines.baseline_names())
+@pytest.mark.parametrize("name", baselines.BASELINES)
 def test_labels_cover_all_faces_with_every_label(name):
     vertices, faces = bumpy_sphere(3, 1)
     labels = method(name)(vertices, faces, 12, 3)
@@ -112,13 +112,13 @@ def test_mtkahypar_repeats_in_a_fresh_process():
     assert runs[0] == runs[1]
 
 
-@pytest.mark.parametrize("name", baselines.baseline_names())
+@pytest.mark.parametrize("name", baselines.BASELINES)
 def test_one_part_takes_all(name):
     vertices, faces = octahedron()
     assert method(name)(vertices, faces, 1, 0).tolist() == [0] * 8
 
 
-@pytest.mark.parametrize("name", baselines.baseline_names())
+@pytest.mark.parametrize("name", baselines.BASELINES)
 def test_prepared_baseline_gives_the_labels_of_the_plain_one(name):
     segment = method(name)
     vertices, faces = bumpy_sphere(2, 1)
@@ -160,7 +160,7 @@ def test_no_clock_of_a_partitioner_covers_what_only_the_mesh_decides(name, progr
     assert events[-2:] == ["perf_counter", "perf_counter"]
 
 
-@pytest.mark.parametrize("name", baselines.baseline_names())
+@pytest.mark.parametrize("name", baselines.BASELINES)
 @pytest.mark.parametrize("k", [0, 9])
 def test_rejects_impossible_part_count(name, k):
     vertices, faces = octahedron()

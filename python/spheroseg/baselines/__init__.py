@@ -33,7 +33,6 @@ __all__ = [
     "BASELINES",
     "Baseline",
     "DualGraph",
-    "baseline_names",
     "build_dual_graph",
     "load",
     "prepare",
@@ -94,11 +93,6 @@ BASELINES: dict[str, Baseline] = {
         ),
     )
 }
-
-
-def baseline_names() -> list[str]:
-    """The names that `load` knows."""
-    return list(BASELINES)
 
 
 def load(name: str) -> Callable[..., np.ndarray]:

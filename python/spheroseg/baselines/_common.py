@@ -34,4 +34,5 @@ def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None)
 
 
 def as_labels(labels) -> np.ndarray:
+    """A library's sequence of labels as an int32 array."""
     return np.asarray(labels, dtype=np.int32)

@@ -19,7 +19,9 @@ from spheroseg.evaluate import environment
 from spheroseg.evaluate.judging import is_valid
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-SWEEP = SWEEP_METHODS, SWEEP_COUNT = ("fast_draft", "fast_standard"), 30
+# The validity sweep of the docs: methods, and values of k per mesh.
+SWEEP_METHODS = ("fast_draft", "fast_standard")
+SWEEP_COUNT = 30
 # Options that change no result.
 NEUTRAL = ("output", "docs", "resume", "report_only", "validity_sweep")
 
@@ -155,7 +157,11 @@ def _missing(chosen: list[meshes.BenchMesh], table: Table, sweep: list[dict]) ->
     """What the rows lack of the two runs that make the docs; empty for nothing."""
     for rows, option, runs_of in (
         ([*table.rows, *table.failures], "--resume", Plan().runs),
-        (sweep, "--validity-sweep --resume", lambda count: sweep_runs(count, *SWEEP)),
+        (
+            sweep,
+            "--validity-sweep --resume",
+            lambda count: sweep_runs(count, SWEEP_METHODS, SWEEP_COUNT),
+        ),
     ):
         there = {records.case_of(row) for row in rows}
         planned = [row_of(mesh, run, 0) for mesh in chosen for run in runs_of(mesh.triangle_count)]

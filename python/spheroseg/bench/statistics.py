@@ -61,7 +61,7 @@ STAGES = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds", "
 
 
 class Table:
-    """The rows of a benchmark by mesh, k, method and measurement (see `worker.py`)."""
+    """The rows of a benchmark by mesh, k, method and measurement (`plan.Run`)."""
 
     def __init__(self, rows: Iterable[dict]):
         rows = list(rows)
