@@ -74,6 +74,13 @@ public:
             (component_count > 1 || options_.balance == Balance::weight)) {
             keep_better_input(submesh_count);
         }
+        report_run();
+        return std::move(result_);
+    }
+
+private:
+    /// Times, iterations and device of the result.
+    void report_run() {
         result_.parametrization_seconds = seconds_.parametrization;
         result_.cohesion_seconds = seconds_.cohesion;
         result_.refinement_seconds = seconds_.refinement;
@@ -84,10 +91,8 @@ public:
         result_.seconds_by_iteration = std::move(history_.seconds);
         result_.time_limit_hit = deadline_.expired();
         result_.used_cuda = device_ && device_->was_used();
-        return std::move(result_);
     }
 
-private:
     bool is_as_even_as_possible() const {
         std::vector<int> counts;
         for (int label : result_.labels) {

@@ -149,6 +149,57 @@ void measure_balance(Measures& result) {
     }
 }
 
+/// What the validity of sub-meshes depends on besides their triangle counts.
+struct Topology {
+    EdgeCounts edges;
+    FanCounts fans;
+    std::vector<int> components;
+};
+
+Topology count_topology(const TriangleMesh& mesh,
+                        const DualGraph& dual_graph,
+                        const std::vector<int>& labels,
+                        int submesh_count,
+                        int thread_count,
+                        VertexFanCount fans_per_vertex) {
+    Topology topology;
+    const int threads = threads_for(thread_count, mesh.face_count(), kFacesPerThread / 4);
+    ParallelFailure failure;
+#pragma omp parallel sections num_threads(std::min(threads, 2))
+    {
+#pragma omp section
+        failure.guard([&] {
+            topology.fans = count_fans(mesh, dual_graph, labels, submesh_count, fans_per_vertex);
+        });
+#pragma omp section
+        failure.guard([&] {
+            topology.edges = count_edges(dual_graph, labels, submesh_count);
+            topology.components = count_components(dual_graph, labels, submesh_count);
+        });
+    }
+    failure.rethrow();
+    return topology;
+}
+
+/// Expects the triangle counts to be measured.
+void measure_topology(const Topology& topology, Measures& result) {
+    const auto& [edges, fans, components] = topology;
+    for (int s = 0; s < result.submesh_count; ++s) {
+        const int bowties = fans.fans[s] - fans.vertices[s];
+        const int triangles = result.submesh_triangles[s];
+        const int edge_count = 3 * triangles - edges.inner_sides[s] / 2;
+        const int euler_characteristic = fans.vertices[s] - edge_count + triangles;
+        result.bowtie_count += bowties;
+        result.disconnected_submesh_count += components[s] > 1;
+        // Without bowties a connected sub-mesh is a surface with b boundary loops and Euler
+        // characteristic 2 - 2g - b (handles) or 2 - g - b (crosscaps): with a boundary, 1 means
+        // g = 0 and b = 1.
+        const bool has_boundary = edges.inner_sides[s] < 3 * triangles;
+        result.disk_count +=
+            components[s] == 1 && bowties == 0 && euler_characteristic == 1 && has_boundary;
+    }
+}
+
 } // namespace
 
 Measures measure(const TriangleMesh& mesh,
@@ -170,42 +221,14 @@ Measures measure(const TriangleMesh& mesh,
     }
     measure_balance(result);
 
-    EdgeCounts edges;
-    FanCounts fans;
-    std::vector<int> components;
-    const int threads = threads_for(thread_count, mesh.face_count(), kFacesPerThread / 4);
-    ParallelFailure failure;
-#pragma omp parallel sections num_threads(std::min(threads, 2))
-    {
-#pragma omp section
-        failure.guard(
-            [&] { fans = count_fans(mesh, dual_graph, labels, submesh_count, fans_per_vertex); });
-#pragma omp section
-        failure.guard([&] {
-            edges = count_edges(dual_graph, labels, submesh_count);
-            components = count_components(dual_graph, labels, submesh_count);
-        });
-    }
-    failure.rethrow();
-    result.boundary_edge_count = edges.boundary_edges;
+    const Topology topology =
+        count_topology(mesh, dual_graph, labels, submesh_count, thread_count, fans_per_vertex);
+    result.boundary_edge_count = topology.edges.boundary_edges;
     if (dual_graph.edge_count > 0) {
         result.boundary_edge_ratio =
-            static_cast<double>(edges.boundary_edges) / dual_graph.edge_count;
+            static_cast<double>(result.boundary_edge_count) / dual_graph.edge_count;
     }
-    for (int s = 0; s < submesh_count; ++s) {
-        const int bowties = fans.fans[s] - fans.vertices[s];
-        const int triangles = result.submesh_triangles[s];
-        const int edge_count = 3 * triangles - edges.inner_sides[s] / 2;
-        const int euler_characteristic = fans.vertices[s] - edge_count + triangles;
-        result.bowtie_count += bowties;
-        result.disconnected_submesh_count += components[s] > 1;
-        // Without bowties a connected sub-mesh is a surface with b boundary loops and Euler
-        // characteristic 2 - 2g - b (handles) or 2 - g - b (crosscaps): with a boundary, 1 means
-        // g = 0 and b = 1.
-        const bool has_boundary = edges.inner_sides[s] < 3 * triangles;
-        result.disk_count +=
-            components[s] == 1 && bowties == 0 && euler_characteristic == 1 && has_boundary;
-    }
+    measure_topology(topology, result);
     return result;
 }
 

@@ -161,31 +161,15 @@ std::vector<int> distinct_labels(const std::vector<int>& labels) {
     return distinct;
 }
 
-} // namespace
+/// The faces with one label in both of two labellings.
+struct Overlap {
+    int label;
+    int name;
+    int face_count;
+};
 
-void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress) {
-    const auto repair_next = [&] {
-        report_progress(progress, 0.0, "Initial labels");
-        repair_unsound(patchwork);
-        report_progress(progress, 0.0, "Initial labels");
-    };
-    spread_labels(patchwork);
-    if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
-        share_anew(patchwork, seed + kMaxRounds);
-    }
-    repair_next();
-    for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
-        share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
-        repair_next();
-    }
-}
-
-void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count) {
-    struct Overlap {
-        int label;
-        int name;
-        int face_count;
-    };
+/// Overlaps with at least one face. Faces whose name is negative are left out.
+std::vector<Overlap> overlaps_of(const std::vector<int>& labels, const std::vector<int>& names) {
     // Neighbours often follow each other, so that these are much fewer than the faces.
     std::vector<Overlap> runs;
     for (std::size_t f = 0; f < labels.size(); ++f) {
@@ -208,6 +192,30 @@ void rename_like(std::vector<int>& labels, const std::vector<int>& names, int su
         }
         overlaps.back().face_count += run.face_count;
     }
+    return overlaps;
+}
+
+} // namespace
+
+void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress) {
+    const auto repair_next = [&] {
+        report_progress(progress, 0.0, "Initial labels");
+        repair_unsound(patchwork);
+        report_progress(progress, 0.0, "Initial labels");
+    };
+    spread_labels(patchwork);
+    if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
+        share_anew(patchwork, seed + kMaxRounds);
+    }
+    repair_next();
+    for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
+        share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
+        repair_next();
+    }
+}
+
+void rename_like(std::vector<int>& labels, const std::vector<int>& names, int submesh_count) {
+    std::vector<Overlap> overlaps = overlaps_of(labels, names);
     // Of equal ones those first that are named so already, so that naming twice changes nothing.
     std::stable_sort(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
         return a.face_count != b.face_count ? a.face_count > b.face_count
