@@ -58,9 +58,9 @@ bool satisfies_link_condition(const CollapseMesh& mesh, const int* ring, int deg
     return satisfied;
 }
 
-/// Where a subdivision is undone: false when collapsing into ring[t] leaves a new vertex with one
-/// face of an old triangle, beside its edge. When that vertex went, a face of another triangle
-/// would take the place of this one.
+/// Where a subdivision is undone: false when collapsing into ring[t] would leave another vertex of
+/// the subdivision with a single face in a triangle of the coarse mesh, beside the coarse edge that
+/// the vertex lies on. Removing that vertex would make a face of another triangle the heir.
 bool keeps_triangles(const CollapseMesh& mesh, const int* ring, int degree, int t) {
     if (mesh.ends.empty()) {
         return true;
@@ -75,7 +75,7 @@ bool keeps_triangles(const CollapseMesh& mesh, const int* ring, int degree, int 
 }
 
 /// Position in the ring of the allowed target of least degree, then least weight; or -1. A vertex
-/// on a border goes along a border only, and faces of the mesh take the place of those that vanish.
+/// on a border collapses along a border only, and a face of the input has an heir that is one too.
 int choose_target(const CollapseMesh& mesh,
                   int v,
                   const int* ring,
@@ -85,7 +85,7 @@ int choose_target(const CollapseMesh& mesh,
     const auto is_cap = [&](int i) { return faces[(i + degree) % degree] >= mesh.first_cap_face; };
     const bool on_border =
         std::any_of(faces, faces + degree, [&](int f) { return f >= mesh.first_cap_face; });
-    // Where the heir of a cap is not of the same one, the hole closes.
+    // A cap face whose heir is a face of the input is the last of its cap: the hole closes.
     const auto can_vanish = [&](int i, int heir) {
         return is_cap(i) ? is_cap(heir) || may_close_holes : !is_cap(heir);
     };
@@ -96,7 +96,7 @@ int choose_target(const CollapseMesh& mesh,
     // By degree, weight, number.
     using Rank = std::pair<std::int64_t, int>;
     Rank last = {-1, -1};
-    // What takes no look at a target's star comes first: many ring vertices may be fixed.
+    // The cheap conditions: the link condition looks at the star of the target, too.
     const auto may_be_target = [&](int t) {
         return mesh.may_take(ring[t], v) && keeps_border(t) &&
             keeps_triangles(mesh, ring, degree, t);
@@ -141,9 +141,10 @@ void plan_star(CollapseMesh& mesh, CollapseRound& round, bool may_close_holes, i
     round.target[i] = ring[0];
 }
 
-/// True when a collapse of smaller key makes an edge that collapse i would make too: both removed
-/// vertices are then neighbours of both ends of that edge, so the target's ring shows them. Also
-/// when i and it remove the two apexes over one triangle, between which nothing would be left.
+/// True when a collapse of smaller key makes an edge that collapse i would make too. Both removed
+/// vertices are then neighbours of both ends of that edge, so that the other one is in the ring of
+/// this one's target. Also true when both have degree three and the same ring: with both removed,
+/// two faces with the same vertices would be left.
 bool loses_conflict(const CollapseMesh& mesh,
                     const CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,
@@ -153,7 +154,8 @@ bool loses_conflict(const CollapseMesh& mesh,
     if (t < 0) {
         return false;
     }
-    // The new edges lead from the target to the ring but for its first, second and last vertex.
+    // The new edges join the target to the ring vertices except the first (the target itself), the
+    // second and the last (its neighbours already).
     const int* const ring = &round.ring_vertices[round.star_begin[i]];
     bool loses = false;
     mesh.for_each_in_star(t, [&](int, int u) {
@@ -176,8 +178,8 @@ bool loses_conflict(const CollapseMesh& mesh,
     return loses;
 }
 
-/// What the two vanishing faces of a collapse leave behind: the faces beyond their outer edges,
-/// and where those refer to them (-1: the face beyond vanishes too, and its heir is meant).
+/// Where the two faces that a collapse removes are to be replaced as neighbours: the faces beyond
+/// their outer edges, and the sides of those (-1: that face vanishes too, and its heir is meant).
 struct Seam {
     std::array<int, 2> beyond;
     std::array<int, 2> side;
@@ -235,7 +237,7 @@ void share_weight(CollapseMesh& mesh, const int* ring, const int* faces, int deg
     add_to_vertex(mesh, ring[0], degree - 4, kept_weight);
 }
 
-/// Another star may do the same for the vertex: one face is as good as the other.
+/// Atomic, as another star of the round may write to the same vertex; either face will do.
 void set_face(CollapseMesh& mesh, int v, int f) {
 #pragma omp atomic write
     mesh.vertices[v].face = f;

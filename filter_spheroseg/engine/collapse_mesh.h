@@ -8,9 +8,10 @@
 
 namespace spheroseg {
 
-/// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy. Holes are
-/// closed by caps: a triangle, or a vertex beyond those of the input with a triangle around it for
-/// each edge of the border. The faces of caps are beyond those of the input and weigh nothing.
+/// A mesh that shrinks by half-edge collapses; the working storage of build_hierarchy. Each hole is
+/// closed by a cap: one triangle, or a fan of triangles around an added vertex, one for each border
+/// edge. Vertices and faces of caps are numbered after those of the input, and such faces weigh
+/// nothing.
 struct CollapseMesh {
     struct Face {
         Triangle vertices;
@@ -18,16 +19,16 @@ struct CollapseMesh {
         std::array<int, 3> neighbors;
         /// Number of input faces that this face stands for.
         int weight;
-        /// -1 while the face lives; else the face of its star that took over its place.
+        /// -1 while the face exists; else the face of its star that stands in its place.
         int heir;
     };
     struct Vertex {
-        /// One of its faces. Which one, may depend on threads, and nothing depends on it.
+        /// Any one of its faces. Which one may depend on the threads; no result depends on it.
         int face;
         int degree;
         /// Sum of the weights of its faces.
         int weight;
-        /// Index of its collapse in the running round, or -1.
+        /// Index of its collapse in the current round, or -1.
         int slot;
     };
 
@@ -54,8 +55,8 @@ struct CollapseMesh {
     int face_name(int f) const { return face_names.empty() ? f : face_names[f]; }
     int vertex_name(int v) const { return vertex_names.empty() ? v : vertex_names[v]; }
 
-    /// Drops all but these faces and vertices, the live ones in increasing order, and renumbers
-    /// them: scattered over the original arrays, they would share cache lines with removed ones.
+    /// Compacts the arrays to the faces and vertices that exist, given in increasing order, and
+    /// renumbers them, so that removed ones take up no cache lines.
     void keep(const std::vector<int>& live_faces,
               const std::vector<int>& live_vertices,
               int thread_count);
@@ -113,11 +114,11 @@ struct CollapseRound {
 };
 
 /// Fills `round` for the vertices in round.vertex, no two of which are neighbours: their stars and
-/// targets. The target is the ring vertex of least degree that satisfies the link condition; for a
-/// vertex on a border it is the next one along that. Where that is a border of three edges the
-/// hole closes, if it may. Where a subdivision is undone it is one of the vertex's ends, such that
-/// only faces of one old triangle take the place of each other. Of two collapses that would make
-/// the same edge, the one of higher `keys[vertex]` gets no target.
+/// targets. The target is the ring vertex of least degree that satisfies the link condition. A
+/// vertex on a border collapses along the border; if the border has three edges this closes the
+/// hole, where `may_close_holes`. Where a subdivision is undone the target is one of the vertex's
+/// `ends`, and every face that vanishes has an heir in the same triangle of the coarse mesh. Of two
+/// collapses that would make the same edge, the one of higher `keys[vertex]` gets no target.
 void plan_collapses(CollapseMesh& mesh,
                     CollapseRound& round,
                     const std::vector<std::uint64_t>& keys,

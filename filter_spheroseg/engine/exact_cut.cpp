@@ -71,8 +71,8 @@ private:
         return best;
     }
 
-    /// Sizes of the next sub-mesh, in the order in which they are tried: by chance those first
-    /// that are near the mean of what is left.
+    /// Sizes of the next sub-mesh in the order in which they are tried: from the largest down, or,
+    /// with `random`, by their distance from the mean size of what is left plus noise.
     std::vector<int> sizes(int place) {
         std::vector<int> order;
         for (int size = most_; size >= least_; --size) {
@@ -121,7 +121,7 @@ private:
             if (steps_left_ < 0) {
                 return false;
             }
-            // Dead ends first: they can go with no other sub-mesh.
+            // Dead ends first: they can belong to no other sub-mesh.
             const auto next =
                 std::min_element(frontier.begin(), frontier.end(), [this](int a, int b) {
                     return free_neighbors(a) < free_neighbors(b);
@@ -152,7 +152,8 @@ private:
         return false;
     }
 
-    /// `parts` sub-meshes can make up the sizes of all pieces of free faces.
+    /// False when sizes in [least, most] can not split the pieces of free faces into `parts`
+    /// sub-meshes in all.
     bool rest_can_be_parted(int parts) {
         int fewest = 0;
         int greatest = 0;

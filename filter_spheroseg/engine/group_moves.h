@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// How a group of sub-meshes is annealed: which of the moves that are proposed are wanted, and how
-// they are made. The cores take one proposal after the other; a GPU judges many of a group at once
-// and makes the first one that is wanted, so that the result is the same.
+// The acceptance rules of annealing a group of sub-meshes, shared by CPU and GPU: which proposed
+// moves are wanted, and how they are made. The CPU takes one proposal after the other; the GPU
+// judges many proposals of a group at once and makes the first one that is wanted, so that the
+// result is the same.
 //
-// `Group` is what does the work: it has `patches()` (see cell.h), `load(label)`, `apply(move)`,
-// `undo(move)` and `list(move)`. `BoundedLoads` needs `random()` and partner lists as well.
+// `Group` holds the state of the group: it has `patches()` (see cell.h), `load(label)`,
+// `apply(move)`, `undo(move)` and `list(move)`, which adds the faces of a move to the candidates of
+// later proposals. `BoundedLoads` needs `random()` and partner lists as well.
 
 #include "proposals.h"
 
@@ -109,7 +111,7 @@ private:
                 group.drop_partner(first.to, index);
                 continue;
             }
-            // The first side that touches the other sub-mesh, counted without branches.
+            // Branch-free search for the first side that touches the other sub-mesh.
             const int misses = patches.label_across(face, 0) != first.from;
             const int more = misses & (patches.label_across(face, 1) != first.from);
             const int all = more & (patches.label_across(face, 2) != first.from);

@@ -36,7 +36,8 @@ private:
         int to;
     };
 
-    /// A way along side way / 2 is followed as its face runs, or against that where it is odd.
+    /// A way is a directed border side: side way / 2 in the direction of its face where `way` is
+    /// even, against it where odd. way ^ 1 is the same side in the other direction.
     const Side& side_of(int way) const { return sides_[way / 2]; }
     int begin_of(int way) const { return way % 2 ? side_of(way).to : side_of(way).from; }
     int end_of(int way) const { return begin_of(way ^ 1); }
@@ -61,8 +62,8 @@ private:
         return static_cast<int>(side - sides_.begin());
     }
 
-    /// The side at which the fan of a vertex ends that begins with this side; -1 where faces of the
-    /// fan are oriented differently.
+    /// The border side at the other end of the fan around begin.from; -1 where faces of the fan are
+    /// oriented differently.
     int end_of_fan(const Side& begin) const {
         int f = begin.face;
         int corner = begin.corner;
@@ -123,9 +124,9 @@ private:
         next_[next ^ 1] = way ^ 1;
     }
 
-    /// Where the only fan of a vertex has faces that are oriented differently, as at the seam of a
-    /// Moebius band, the border goes on all the same, most often against the next face. The vertex
-    /// stays, and so does the middle of the cap.
+    /// Joins the two border sides of a vertex whose only fan has faces that are oriented
+    /// differently, as at the seam of a Moebius band: the border mostly goes on against the
+    /// direction of the next face. Such a vertex, and the middle of its cap, are never removed.
     void join_turned_fans() {
         std::vector<int> end_counts(mesh_.vertices.size(), 0);
         for (const Side& side : sides_) {
@@ -142,7 +143,7 @@ private:
         }
     }
 
-    /// The way on from the end of this one: the other side of the fan there, however its faces are
+    /// The way that follows this one across the fan at its end, however the faces of that fan are
     /// oriented.
     int across_fan(int way) const {
         const int v = end_of(way);
@@ -150,7 +151,7 @@ private:
         int corner = side_of(way).corner;
         for (;;) {
             const int at = mesh_.corner_of(f, v);
-            // Of the two sides at the vertex, the one not come from.
+            // Of the two sides of the face at the vertex, the one that the walk did not enter by.
             corner = corner == at ? (at + 2) % 3 : at;
             const int g = mesh_.faces[f].neighbors[corner];
             if (g < 0) {

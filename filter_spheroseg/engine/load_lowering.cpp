@@ -56,12 +56,12 @@ public:
 private:
     static constexpr int kMaxIdleRounds = 8;
     static constexpr int kExtraTries = 64;
-    /// Listed faces gone through before giving up, and more of them per boundary face. What a face
-    /// takes grows with the degrees of its vertices: it is for the deadline to bound the time.
+    /// The work before giving up, counted in boundary faces looked at: a minimum, and an addition
+    /// per boundary face. The time of a look grows with the degrees of the face's vertices; only
+    /// the deadline bounds it.
     static constexpr std::int64_t kMinWork = 200000;
     static constexpr std::int64_t kWorkPerFace = 50;
-    /// Of these, between two looks at the clock: a tenth of a millisecond, of vertices of usual
-    /// degrees.
+    /// Work between two checks of the clock: about 0.1 ms where vertices have usual degrees.
     static constexpr std::int64_t kWorkPerReport = 1000;
 
     bool may_go_on() const { return work_left_ > 0 && !is_over_; }
@@ -89,7 +89,7 @@ private:
         return sum;
     }
 
-    /// The allowed moves of single faces out of a sub-mesh, beginning with any of them.
+    /// Lists the allowed moves of single faces out of a sub-mesh, from a random one on.
     void find_passages(int label) {
         passages_.clear();
         count_work(boundaries_.listed_count(label));
@@ -109,8 +109,8 @@ private:
     }
 
     /// Searches, breadth first, for a chain of moves from a sub-mesh above the limit to one with
-    /// room. `inflow_[l]` is what the chain brings to l, so that l must pass on at least what does
-    /// not fit.
+    /// room, and makes them. Each sub-mesh of the chain passes on at least the part of its inflow
+    /// that puts it above the limit. Returns whether anything moved.
     bool relieve(int start) {
         queue_.assign(1, start);
         inflow_[start] = 0;
@@ -146,7 +146,7 @@ private:
         return best;
     }
 
-    /// Lets the chain go on to every neighbour, by the lightest move that is heavy enough.
+    /// Continues the search to every neighbour, by the lightest move that is heavy enough.
     void extend(int must_pass) {
         for (const Passage& passage : passages_) {
             const Move& move = passage.move;
@@ -192,7 +192,7 @@ private:
     std::int64_t unreported_ = 0;
     bool is_over_ = false;
     SubmeshBoundaries boundaries_;
-    /// -1: not reached.
+    /// Per label the weight that the chain moves into it; -1: not reached by the search.
     std::vector<int> inflow_;
     std::vector<Passage> came_by_;
     std::vector<Passage> passages_;

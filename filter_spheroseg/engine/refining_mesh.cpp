@@ -48,7 +48,7 @@ RefiningMesh::Seam RefiningMesh::find_seam(int step) const {
     for (int k = 0; k < 2; ++k) {
         const Face& keeper = faces_[faces[k]];
         seam.beyond[k] = keeper.neighbors[sides[k]];
-        // There the edge runs the other way.
+        // The face beyond has the edge in the opposite direction.
         const int start = keeper.vertices[(sides[k] + 1) % 3];
         seam.side[k] = seam.beyond[k] < 0 ? -1 : corner_of(seam.beyond[k], start);
     }
@@ -78,8 +78,8 @@ void RefiningMesh::undo_step(int step, const Seam& seam) {
 #pragma omp atomic
         degrees_[r] += change;
     }
-    // The target may have lost the face that it was known by; that face is in one star at most, so
-    // that only one step of the round writes here.
+    // The face of the target may now belong to `v`; a face is in one star at most, so that only one
+    // step of the round writes here.
     int known;
 #pragma omp atomic read
     known = vertex_faces_[target];
@@ -89,8 +89,8 @@ void RefiningMesh::undo_step(int step, const Seam& seam) {
     }
 }
 
-/// What lies beyond learns of the face that returned; unless there, too, one returned at the same
-/// edge: then that one lies beyond.
+/// Makes the returned faces neighbours of the faces beyond their outer edges. Where another step of
+/// the round returned a face at the same edge, that one is the face beyond.
 void RefiningMesh::link_beyond(int step, const Seam& seam) {
     const std::array<int, 2> faces = keepers(step);
     const std::array<int, 2> returned = {star_faces(step)[0],
