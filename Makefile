@@ -3,6 +3,9 @@
 .PHONY: help demo report bench test setup setup-run plugin plugin-gui install-gui gui-root docs-pictures \
 	test-style test-engine test-sanitize test-race fuzz test-plugin test-python test-gui test-hosts
 
+# Targets share build folders, and builds and tests use all cores anyway.
+.NOTPARALLEL:
+
 # Not PYTHON: that names the interpreter of which scripts/setup.sh makes .venv.
 VENV_PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -39,7 +42,7 @@ plugin: setup-run
 # Where the application of the GUI tests is at hand, the linker checks that it brings all symbols.
 plugin-gui: setup-run
 	cmake --preset gui $(WARNINGS) \
-		-DSPHEROSEG_MESHLAB_COMMON=$$(ls $(GUI_ROOT)/usr/lib/*/meshlab/libmeshlab-common.so 2>/dev/null)
+		-DSPHEROSEG_MESHLAB_COMMON="$$(ls "$(GUI_ROOT)"/usr/lib/*/meshlab/libmeshlab-common.so 2>/dev/null)"
 	cmake --build build/gui --parallel $(JOBS)
 
 install-gui: plugin-gui
@@ -47,7 +50,7 @@ install-gui: plugin-gui
 
 gui-root:
 	@scripts/setup.sh gui
-	@SPHEROSEG_GUI_ROOT=$(GUI_ROOT) scripts/gui_root.sh
+	@SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" scripts/gui_root.sh
 
 demo: plugin
 	$(VENV_PYTHON) -m spheroseg.demo out/demo
@@ -113,11 +116,11 @@ test-python: test-plugin
 	$(VENV_PYTHON) -m pytest -n $(JOBS) --dist loadscope
 
 test-gui: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(VENV_PYTHON) -m pytest -n $(JOBS) tests/gui
+	SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" $(VENV_PYTHON) -m pytest -n $(JOBS) tests/gui
 
 # The screenshots of docs/meshlab.md; their originals stay in out/gui/docs.
 docs-pictures: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT=$(GUI_ROOT) $(VENV_PYTHON) tests/gui/docs_pictures.py
+	SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" $(VENV_PYTHON) tests/gui/docs_pictures.py
 
 # Not part of `make test`: the same sources in the PyMeshLab releases before this one.
 test-hosts: setup

@@ -32,8 +32,9 @@ headers_of() {
 }
 
 test_host() {
-    local pymeshlab=$1 meshlab numpy headers venv library
-    read -r meshlab numpy <<<"$(meshlab_of "$pymeshlab")"
+    local pymeshlab=$1 versions meshlab numpy headers venv library
+    versions=$(meshlab_of "$pymeshlab")
+    read -r meshlab numpy <<<"$versions"
     venv=".cache/hosts/pymeshlab-$pymeshlab"
     if [ ! -e "$venv/.complete" ]; then
         say "making $venv"
@@ -57,8 +58,8 @@ print(u.find_spec('pymeshlab').submodule_search_locations[0])")/lib/libmeshlab-c
 failed=()
 for release in "$@"; do
     # In a process of its own: the shell ignores `set -e` in what stands before ||.
-    bash -c "$(declare -f say meshlab_of headers_of test_host); root='$root'; set -euo pipefail
-        test_host '$release'" || failed+=("$release")
+    bash -c "$(declare -f say meshlab_of headers_of test_host); set -euo pipefail
+        root=\$1; test_host \"\$2\"" bash "$root" "$release" || failed+=("$release")
 done
 [ ${#failed[@]} -eq 0 ] || {
     say "failed: ${failed[*]}" >&2
