@@ -12,6 +12,18 @@ const QStringList kDevices = {"auto", "cpu", "cuda"};
 const QStringList kBalances = {"triangle_count", "weight"};
 const QStringList kInitialLabels = {"none", "face_quality"};
 
+/// The number of the word that is chosen. MeshLab takes any number from a filter script.
+int choice(const RichParameterList& parameters, const QString& name, const QStringList& words) {
+    const int number = parameters.getEnum(name);
+    if (number < 0 || number >= words.size()) {
+        throw InvalidOptions(name.toStdString() + " must be one of " +
+                             words.join(", ").toStdString() + " (0 to " +
+                             std::to_string(words.size() - 1) + "), found " +
+                             std::to_string(number) + ". Correct the filter script.");
+    }
+    return number;
+}
+
 /// As of a large mesh where there is none yet.
 int default_submesh_count(int face_count) {
     constexpr int kLargeMesh = 1 << 20;
@@ -140,10 +152,10 @@ SegmentOptions segment_options(const RichParameterList& parameters) {
                              std::to_string(options.submesh_count) +
                              ". Ask for between 1 and as many sub-meshes as triangles.");
     }
-    options.balance = static_cast<Balance>(parameters.getEnum("balance"));
-    options.method = static_cast<Method>(parameters.getEnum("method"));
-    options.effort = static_cast<Effort>(parameters.getEnum("effort"));
-    options.device = static_cast<Device>(parameters.getEnum("device"));
+    options.balance = static_cast<Balance>(choice(parameters, "balance", kBalances));
+    options.method = static_cast<Method>(choice(parameters, "method", kMethods));
+    options.effort = static_cast<Effort>(choice(parameters, "effort", kEfforts));
+    options.device = static_cast<Device>(choice(parameters, "device", kDevices));
     options.seed = static_cast<std::uint64_t>(parameters.getInt("seed"));
     options.thread_count = parameters.getInt("thread_count");
     options.max_cohesion_iterations = parameters.getInt("max_cohesion_iterations");
@@ -153,7 +165,8 @@ SegmentOptions segment_options(const RichParameterList& parameters) {
 }
 
 bool starts_from_face_quality(const RichParameterList& parameters) {
-    return kInitialLabels.at(parameters.getEnum("initial_labels")) == "face_quality";
+    const int number = choice(parameters, "initial_labels", kInitialLabels);
+    return kInitialLabels.at(number) == "face_quality";
 }
 
 RichParameterList parametrization_parameters() {

@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pymeshlab
@@ -295,3 +296,23 @@ def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_cou
     warning = f"The result has {difference} triangles between the largest and the smallest"
     assert (warning in done.stdout + done.stderr) == (difference > 1)
     assert ("The result has" in done.stdout + done.stderr) == (difference > 1)
+
+
+@pytest.mark.parametrize("number", [-1, 3])
+@pytest.mark.parametrize("name", ["method", "effort", "device", "balance", "initial_labels"])
+def test_a_filter_script_with_a_choice_that_is_not_there_is_refused(tmp_path, name, number):
+    """PyMeshLab checks the numbers of words in a call, but not in a script; nor does MeshLab."""
+    mesh_set = ellipsoid(1)
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
+    script = tmp_path / "history.mlx"
+    mesh_set.save_filter_script(str(script))
+    history = ElementTree.fromstring(script.read_text())
+    history.find(f".//Param[@name='{name}']").set("value", str(number))
+    script.write_text(ElementTree.tostring(history, encoding="unicode"))
+
+    replayed = ellipsoid(1)
+    replayed.load_filter_script(str(script))
+    before = state(replayed)
+    with pytest.raises(pymeshlab.PyMeshLabException, match=f"{name} must be .*, found {number}"):
+        replayed.apply_filter_script()
+    assert state(replayed) == before
