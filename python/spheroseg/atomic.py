@@ -31,8 +31,8 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
     Raises DiskFullError when the disk has no room."""
     target = Path(path).resolve()
     temporary = _temporary_beside(target, suffix)
-    try:
-        with _explained(path, temporary):
+    with _explained(path, temporary):
+        try:
             if target.exists():
                 temporary.touch(0o600)  # what nobody may read must not be readable meanwhile
             yield temporary
@@ -41,8 +41,9 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
             with contextlib.suppress(FileNotFoundError):
                 shutil.copymode(target, temporary)
             temporary.replace(target)
-    finally:
-        temporary.unlink(missing_ok=True)
+        finally:
+            # Fails where nothing can be written, though there is no such file.
+            temporary.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager

@@ -534,6 +534,17 @@ def test_an_error_names_the_file_that_was_wanted(tmp_path):
     assert caught.value.filename == str(tmp_path / "none" / "result.txt")
 
 
+def test_an_error_of_a_file_system_that_is_read_only_names_it_too(tmp_path, monkeypatch):
+    def refuse(self, *_, **__):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(self))
+
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+    monkeypatch.setattr(Path, "unlink", refuse)  # as Linux does, even of what is not there
+    with pytest.raises(OSError, match="Read-only") as caught:
+        atomic.write_text(tmp_path / "result.txt", "")
+    assert caught.value.filename == str(tmp_path / "result.txt")
+
+
 @contextlib.contextmanager
 def killed_while_it_writes(folder):
     """After a process was killed that wrote `folder/mesh.ply`; nobody has asked about it yet."""
