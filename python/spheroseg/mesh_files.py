@@ -208,7 +208,7 @@ def _read_numbers(path: str | os.PathLike, name: str) -> np.ndarray:
             warnings.simplefilter("error")  # an empty file, a size that overflows
             if path.suffix.lower() == ".npy":
                 return _read_npy(path)
-            return np.loadtxt(path, dtype=np.float64, ndmin=1)
+            return np.loadtxt(path, dtype=np.float64, ndmin=1, encoding="utf-8-sig")
     except (ValueError, EOFError, OverflowError, Warning) as error:
         raise InputError(f"{path}: is no file of {name}: {error}") from None
 

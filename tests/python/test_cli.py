@@ -814,6 +814,13 @@ def test_values_are_never_cut(run, monkeypatch, tmp_path):
     assert wide[0] == 0
 
 
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_labels_of_an_editor_that_marks_utf_8_are_read(run, tmp_path, ending):
+    labels = tmp_path / "labels.txt"
+    labels.write_text(ending.join(6 * ["0"] + 6 * ["1"]), encoding="utf-8-sig", newline="")
+    assert run("measure", CUBE, "--labels", labels)[0] == 0
+
+
 def shown_on_a_terminal(*arguments, **variables) -> tuple[list[str], bytes]:
     """Each state of the bar that a command draws on stderr, without colours, and its output."""
     controller, terminal = pty.openpty()
