@@ -13,7 +13,7 @@ LABEL_LIMIT = 2**24
 def as_mesh(vertices: ArrayLike, faces: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Arrays of (V, 3) float64 and, as `as_faces`, of (F, 3) int32. Vertices that a face names are
     finite; the others do not matter."""
-    points = _numeric("vertices", vertices, (3,), "(V, 3)").astype(np.float64, order="C")
+    points = _double(_numeric("vertices", vertices, (3,), "(V, 3)"))
     triangles = as_faces(faces, len(points))
     bad = ~np.isfinite(points)
     if bad.any():
@@ -68,7 +68,7 @@ def as_face_weights(weights: ArrayLike, face_count: int) -> np.ndarray:
         raise InputError(
             f"face_weights must have one entry per face: {face_count}, got {len(array)}"
         )
-    return array.astype(np.float64)
+    return _double(array)
 
 
 def _numeric(name: str, values: ArrayLike, tail: tuple[int, ...], shape: str) -> np.ndarray:
@@ -92,6 +92,12 @@ def _whole(name: str, array: np.ndarray) -> np.ndarray:
         raise InputError(f"{name} must be whole numbers; the entry at {index} is {array[index]}")
     # Limits are beyond what 16 bits hold.
     return array.astype(np.result_type(array, np.float32), copy=False)
+
+
+def _double(array: np.ndarray) -> np.ndarray:
+    """As C-contiguous float64; infinite where a longer type has a number beyond it."""
+    with np.errstate(over="ignore"):
+        return array.astype(np.float64, order="C")
 
 
 def as_single_precision(values: np.ndarray) -> np.ndarray:

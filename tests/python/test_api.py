@@ -572,6 +572,16 @@ def test_no_faces_are_an_input_error():
             call()
 
 
+def test_numbers_beyond_double_precision_are_refused_without_a_warning(cube):
+    vertices, faces = cube
+    beyond = np.full(len(vertices), np.finfo(np.longdouble).max)
+    with pytest.raises(spheroseg.InputError, match="vertex 0 has x = inf"):
+        spheroseg.segment(np.stack([beyond] * 3, axis=1), faces, 2)
+    weights = np.full(len(faces), np.finfo(np.longdouble).max)
+    with pytest.raises(spheroseg.InputError, match="face 0 with inf"):
+        spheroseg.segment(vertices, faces, 2, balance="weight", face_weights=weights)
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_vertices_that_no_face_names_need_not_be_finite(sample_arrays, value):
     vertices, faces = sample_arrays["flat_leaf.ply"]
