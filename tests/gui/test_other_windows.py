@@ -186,6 +186,20 @@ def test_each_submesh_becomes_a_layer_in_its_colour(meshlab, cow):
     assert meshlab.quit() == 0
 
 
+def test_many_layers_are_made_while_their_list_is_hidden(meshlab, cow):
+    """MeshLab builds the list anew for each layer, which takes minutes for these."""
+    meshlab.start(cow)
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.apply()
+    dialog.close()
+    meshlab.run_filter_without_parameters(LAYERS, seconds=20.0)
+    meshlab.screenshot("200-layers")
+    meshlab.select_layer(1)  # the list is back
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(str(meshlab.export("layer.ply")))
+    assert meshes.current_mesh().face_number() in (29, 30)
+
+
 def test_the_filters_that_error_messages_name_exist_in_meshlab(meshlab_root):
     source = REPOSITORY / "filter_spheroseg" / "engine" / "validity.cpp"
     text = re.sub(r'"\s*\n\s*"', "", source.read_text())
