@@ -5,6 +5,8 @@
 #include "branch_annealing.h"
 #include "recut.h"
 
+#include <algorithm>
+
 namespace spheroseg {
 
 namespace {
@@ -39,8 +41,9 @@ bool BalanceSearch::pass_faces() {
 }
 
 void BalanceSearch::pass_branches(const Deadline& limit) {
-    if (may_pass_branches() && is_stuck(patchwork_)) {
-        pass_branches_until(limit, seed_ + 3000);
+    if (are_large() && start_ < kStartsWithBranches && is_stuck(patchwork_)) {
+        anneal_branches(
+            patchwork_, schedules_.branches(patchwork_, seed_ + 3000), &limit, progress_);
     }
 }
 
@@ -48,47 +51,41 @@ bool BalanceSearch::balance_initial_labels() {
     const std::int64_t most_work = kWorkOnInitialLabels * patchwork_.face_count();
     return is_near_balance(patchwork_) &&
         (balance_exactly(patchwork_, &deadline_, progress_, most_work) ||
-         (!spheroseg::is_hopeless(patchwork_) && recut()));
+         (!spheroseg::is_hopeless(patchwork_) && recut(TreeTurns::random)));
 }
 
 bool BalanceSearch::search() {
-    bool balanced = pass_or_recut();
+    // Trees along walls would make the boundaries of large sub-meshes long: they are the second
+    // resort, with half of the cuts.
+    const std::int64_t cuts_kept = are_large() ? cuts_left_ / 2 : 0;
+    cuts_left_ -= cuts_kept;
+    bool balanced = pass_or_recut(TreeTurns::random);
+    cuts_left_ = std::max<std::int64_t>(cuts_left_, 0) + cuts_kept;
     is_hopeless_ = spheroseg::is_hopeless(patchwork_);
     for (int i = 0;
          i < kTries && !balanced && !is_hopeless_ && cuts_left_ > 0 && !deadline_.expired();
          ++i) {
-        const auto number = static_cast<std::uint64_t>(i);
-        if (may_pass_branches() && i % 2 == 0) {
-            pass_branches_until(deadline_, seed_ + 3001 + number);
-        } else {
-            shake(seed_ + 1000 + number);
-        }
-        balanced = pass_or_recut();
+        // With a strong pull towards balance, whatever the time limit.
+        const AnnealSchedule schedule =
+            schedules_.shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
+        AnnealControl control;
+        control.progress = progress_;
+        anneal(patchwork_, schedule, control);
+        balanced = pass_or_recut(TreeTurns::often_along_walls);
     }
     return balanced;
 }
 
-bool BalanceSearch::may_pass_branches() const {
-    return mean_load(patchwork_) >= kLargeSubmesh && start_ < kStartsWithBranches;
+bool BalanceSearch::are_large() const {
+    return mean_load(patchwork_) >= kLargeSubmesh;
 }
 
-void BalanceSearch::pass_branches_until(const Deadline& limit, std::uint64_t seed) {
-    anneal_branches(patchwork_, schedules_.branches(patchwork_, seed), &limit, progress_);
+bool BalanceSearch::pass_or_recut(TreeTurns turns) {
+    return balance_exactly(patchwork_, &deadline_, progress_) || recut(turns);
 }
 
-/// With a strong pull towards balance, whatever the time limit.
-void BalanceSearch::shake(std::uint64_t seed) {
-    AnnealControl control;
-    control.progress = progress_;
-    anneal(patchwork_, schedules_.shaking(seed), control);
-}
-
-bool BalanceSearch::pass_or_recut() {
-    return balance_exactly(patchwork_, &deadline_, progress_) || recut();
-}
-
-bool BalanceSearch::recut() {
-    return recut_to_balance(patchwork_, cuts_left_, &deadline_, progress_);
+bool BalanceSearch::recut(TreeTurns turns) {
+    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_);
 }
 
 } // namespace spheroseg

@@ -4,6 +4,7 @@
 #include "patchwork.h"
 #include "progress.h"
 #include "schedules.h"
+#include "tree_cut.h"
 
 #include <cstdint>
 
@@ -35,19 +36,16 @@ public:
     /// time.
     bool balance_initial_labels();
     /// balance_exactly and recut_to_balance, several times; in between, boundaries are annealed
-    /// with a strong pull towards balance, or branches are passed (in the first starts, where
-    /// sub-meshes are large, in every other try).
+    /// with a strong pull towards balance. From the second time on recuts also follow walls.
     bool search();
     /// Did `search` leave so many sub-meshes out of balance that only another kind of start is
     /// worth a try?
     bool is_hopeless() const { return is_hopeless_; }
 
 private:
-    bool may_pass_branches() const;
-    void pass_branches_until(const Deadline& limit, std::uint64_t seed);
-    void shake(std::uint64_t seed);
-    bool pass_or_recut();
-    bool recut();
+    bool are_large() const;
+    bool pass_or_recut(TreeTurns turns);
+    bool recut(TreeTurns turns);
 
     Patchwork& patchwork_;
     const Schedules& schedules_;

@@ -3,7 +3,6 @@
 
 #include "exact_cut.h"
 #include "threads.h"
-#include "tree_cut.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -44,11 +43,13 @@ class Recut {
 public:
     Recut(Patchwork& patchwork,
           std::int64_t& cuts_left,
+          TreeTurns turns,
           const Deadline* deadline,
           const Progress& progress)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
-          even_(even_loads(patchwork)), tree_cut_(patchwork), faces_of_(patchwork.submesh_count()),
-          unmeasured_faces_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {
+          even_(even_loads(patchwork)), tree_cut_(patchwork, turns),
+          faces_of_(patchwork.submesh_count()), unmeasured_faces_(patchwork.face_count()),
+          is_listed_(patchwork.submesh_count(), 0) {
         for (int f = 0; f < patchwork.face_count(); ++f) {
             faces_of_[patchwork.label(f)].push_back(f);
         }
@@ -380,9 +381,10 @@ private:
 
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
+                      TreeTurns turns,
                       const Deadline* deadline,
                       const Progress& progress) {
-    return Recut(patchwork, cuts_left, deadline, progress).run();
+    return Recut(patchwork, cuts_left, turns, deadline, progress).run();
 }
 
 } // namespace spheroseg

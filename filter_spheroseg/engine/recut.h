@@ -3,6 +3,7 @@
 
 #include "patchwork.h"
 #include "progress.h"
+#include "tree_cut.h"
 
 #include <cstdint>
 
@@ -26,6 +27,7 @@ namespace spheroseg {
 /// the progress callback asks for it.
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
+                      TreeTurns turns = TreeTurns::random,
                       const Deadline* deadline = nullptr,
                       const Progress& progress = {});
 

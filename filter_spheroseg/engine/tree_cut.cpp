@@ -13,13 +13,16 @@ namespace {
 constexpr int kTries = 3;
 constexpr int kTreesPerPart = 3;
 
+/// One of so many trees follows walls, if any does.
+constexpr std::uint32_t kAlongWallsOneOf = 4;
+
 constexpr int kOutside = -1;
 constexpr int kWaiting = -2;
 
 } // namespace
 
-TreeCut::TreeCut(Patchwork& patchwork)
-    : patchwork_(patchwork), vertex_(3 * patchwork.cells.size(), -1),
+TreeCut::TreeCut(Patchwork& patchwork, TreeTurns turns)
+    : patchwork_(patchwork), turns_(turns), vertex_(3 * patchwork.cells.size(), -1),
       place_(patchwork.cells.size(), kOutside), is_of_first_(patchwork.cells.size(), 0) {
     int vertex_count = 0;
     for (int f = 0; f < patchwork.face_count(); ++f) {
@@ -165,22 +168,25 @@ bool TreeCut::grow_tree(std::size_t begin, std::size_t end, Random& random) {
     parent_.clear();
     way_.clear();
     std::size_t sides = 0; // where two of these faces meet
-    const auto add = [&](int face, int parent) {
-        place_[face] = static_cast<int>(tree_.size());
-        tree_.push_back(face);
+    const auto add = [&](NeighborSide side, int parent) {
+        place_[face_of(side)] = static_cast<int>(tree_.size());
+        tree_.push_back(face_of(side));
         parent_.push_back(parent);
-        way_.push_back(face);
+        way_.push_back(side);
     };
-    add(faces_[begin + random.below(static_cast<std::uint32_t>(count))], -1);
+    const bool follows_walls =
+        turns_ == TreeTurns::often_along_walls && random.below(kAlongWallsOneOf) == 0;
+    add(make_side(faces_[begin + random.below(static_cast<std::uint32_t>(count))], 0, false), -1);
     while (!way_.empty()) {
-        const int face = way_.back();
-        const auto turn = static_cast<int>(random.below(3));
-        int next = -1;
+        const int face = face_of(way_.back());
+        const int first =
+            follows_walls ? corner_of(way_.back()) + 1 : static_cast<int>(random.below(3));
+        NeighborSide next = -1;
         std::size_t met = 0;
         for (int c = 0; c < 3 && next < 0; ++c) {
-            const int neighbor = patchwork_.neighbor(face, (c + turn) % 3);
-            if (neighbor >= 0 && place_[neighbor] != kOutside) {
-                next = place_[neighbor] == kWaiting ? neighbor : -1;
+            const NeighborSide across = patchwork_.cells[face].side[(first + c) % 3];
+            if (across >= 0 && place_[face_of(across)] != kOutside) {
+                next = place_[face_of(across)] == kWaiting ? across : -1;
                 ++met;
             }
         }

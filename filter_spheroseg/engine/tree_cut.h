@@ -9,6 +9,12 @@
 
 namespace spheroseg {
 
+/// How spanning trees turn: at random; or, every fourth one, always to the same hand, along the
+/// border of the region or along faces that the tree already has (wall following). Such a tree runs
+/// up one side of a narrow limb and down the other, so that it can be cut lengthwise, which random
+/// trees hardly ever allow. The boundaries that it gives are long.
+enum class TreeTurns { random, often_along_walls };
+
 /// Cuts connected regions of a patchwork of unit weights anew into sub-meshes of given sizes. A
 /// random spanning tree of the faces is cut at an edge below which there are as many faces as some
 /// of the sub-meshes have together, and both parts are cut further in the same way. The trees are
@@ -18,7 +24,7 @@ namespace spheroseg {
 class TreeCut {
 public:
     /// O(F).
-    explicit TreeCut(Patchwork& patchwork);
+    explicit TreeCut(Patchwork& patchwork, TreeTurns turns = TreeTurns::random);
 
     /// Cuts the sub-meshes of a region anew such that each is connected and free of bowties, and
     /// region.labels[i] has sizes[i] > 0 faces. The sizes sum up to the faces of the region.
@@ -52,6 +58,7 @@ private:
     bool is_free_of_bowties();
 
     Patchwork& patchwork_;
+    const TreeTurns turns_;
     /// For each corner (3 * face + corner) the number of its vertex.
     std::vector<int> vertex_;
     /// Sides at each vertex where the sub-mesh that is looked at ends.
@@ -70,7 +77,9 @@ private:
     /// Which faces are of the first sub-mesh before the cut, and how many of them each subtree has.
     std::vector<std::uint8_t> is_of_first_;
     std::vector<int> of_first_;
-    std::vector<int> way_;
+    /// The path from the root of a growing tree to its last face: for each face the side by which
+    /// the path enters it.
+    std::vector<NeighborSide> way_;
     /// The faces have no other spanning tree: another try would be the same.
     bool is_only_tree_ = false;
     /// For each number of faces a set of sub-meshes that have so many together; 0: none.

@@ -117,10 +117,13 @@ TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     const Deadline deadline(1e-9);
     ASSERT_TRUE(deadline.expired());
     std::int64_t cuts_left = kManyCuts;
-    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, &deadline));
-    EXPECT_THROW(
-        recut_to_balance(patchwork, cuts_left, nullptr, [](double, const char*) { return false; }),
-        Cancelled);
+    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, TreeTurns::random, &deadline));
+    EXPECT_THROW(recut_to_balance(patchwork,
+                                  cuts_left,
+                                  TreeTurns::random,
+                                  nullptr,
+                                  [](double, const char*) { return false; }),
+                 Cancelled);
     EXPECT_EQ(cuts_left, kManyCuts);
     EXPECT_EQ(cell_labels(patchwork), before);
 
@@ -142,10 +145,12 @@ TEST(Recut, StopsOnTheWayToo) {
     repair(patchwork);
     std::int64_t cuts_left = kManyCuts;
     int reports = 0;
-    EXPECT_THROW(
-        recut_to_balance(
-            patchwork, cuts_left, nullptr, [&](double, const char*) { return ++reports < 3; }),
-        Cancelled);
+    EXPECT_THROW(recut_to_balance(patchwork,
+                                  cuts_left,
+                                  TreeTurns::random,
+                                  nullptr,
+                                  [&](double, const char*) { return ++reports < 3; }),
+                 Cancelled);
     EXPECT_LT(cuts_left, kManyCuts);
     EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
     EXPECT_EQ(patchwork.load, measures_of(levels, patchwork).submesh_triangles);
@@ -158,7 +163,8 @@ TEST(Recut, StopsOnTheWayToo) {
         }
         return true;
     };
-    EXPECT_FALSE(recut_to_balance(patchwork, cuts_left, &deadline, wait_in_the_third));
+    EXPECT_FALSE(
+        recut_to_balance(patchwork, cuts_left, TreeTurns::random, &deadline, wait_in_the_third));
     EXPECT_EQ(reports, 3);
     EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
 }
@@ -175,6 +181,25 @@ TEST(Recut, CarriesFacesAlongManyTubes) {
         std::int64_t cuts_left = kManyCuts;
         EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << seed;
         EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << seed;
+    }
+}
+
+// Each sub-mesh of 250 faces gets one tooth of 160, and a part of another along all its length.
+TEST(Recut, SplitsLimbsLengthwiseAlongWalls) {
+    const Levels levels(flat_comb(12, 40));
+    const int face_count = levels.mesh.face_count();
+    const int k = face_count / 250;
+    for (std::uint64_t seed = 0; seed < 8; ++seed) {
+        Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
+        bisect(patchwork, k, seed, 1);
+        repair(patchwork);
+        Patchwork at_random = patchwork;
+        std::int64_t cuts_left = kManyCuts;
+        EXPECT_TRUE(recut_to_balance(patchwork, cuts_left, TreeTurns::often_along_walls)) << seed;
+        EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << seed;
+        const std::int64_t cuts = kManyCuts - cuts_left;
+        std::int64_t more_cuts_left = 2 * cuts;
+        EXPECT_FALSE(recut_to_balance(at_random, more_cuts_left)) << seed << ", cuts: " << cuts;
     }
 }
 

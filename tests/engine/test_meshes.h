@@ -416,6 +416,27 @@ inline TriangleMesh comb(int teeth, int height) {
                             [](int x, int y, int) { return y < 2 || x % 4 < 2; });
 }
 
+/// Flat and open: a bar one square wide with teeth of `height` squares, two wide and one apart.
+inline TriangleMesh flat_comb(int teeth, int height) {
+    TriangleMesh mesh;
+    const int width = 3 * teeth - 1;
+    for (int y = 0; y <= height + 1; ++y) {
+        for (int x = 0; x <= width; ++x) {
+            mesh.positions.push_back({static_cast<double>(x), static_cast<double>(y), 0.0});
+        }
+    }
+    const auto at = [&](int x, int y) { return y * (width + 1) + x; };
+    for (int y = 0; y <= height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            if (y == 0 || x % 3 < 2) {
+                mesh.faces.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
+                mesh.faces.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
+            }
+        }
+    }
+    return mesh;
+}
+
 /// How a mesh is made. As the parameter of a test it costs nothing in the processes of other tests.
 struct MeshRecipe {
     const char* name;

@@ -63,7 +63,8 @@ TEST(TreeCut, GivesEachSubmeshTheSizeThatIsWantedAndLeavesOthersAlone) {
         Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
         bisect(patchwork, k, 1, 1);
         repair(patchwork);
-        TreeCut tree_cut(patchwork);
+        TreeCut at_random(patchwork);
+        TreeCut along_walls(patchwork, TreeTurns::often_along_walls);
         Random random(1);
         int cut_count = 0;
         constexpr int kTries = 200;
@@ -74,6 +75,7 @@ TEST(TreeCut, GivesEachSubmeshTheSizeThatIsWantedAndLeavesOthersAlone) {
                 neighboring_labels(patchwork, 2 + static_cast<int>(random.below(4)), random));
             const std::vector<int> sizes =
                 random_sizes(static_cast<int>(region.faces.size()), region.labels.size(), random);
+            TreeCut& tree_cut = i % 2 == 0 ? at_random : along_walls;
             if (!tree_cut.cut(region, sizes, random)) {
                 patchwork = before;
                 continue;
