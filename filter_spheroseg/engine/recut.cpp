@@ -5,6 +5,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 namespace spheroseg {
@@ -15,6 +16,9 @@ constexpr std::uint32_t kMostSubmeshes = 5;
 /// Of five steps this many lead to where others can make up for what is off.
 constexpr std::uint32_t kDirectedOfFive = 4;
 constexpr int kCutsPerWalk = 16;
+/// A walk does not go back to the sub-meshes of so many steps before: where the ways are few, as in
+/// nests of faces with one way in, it would go to and fro between two.
+constexpr std::size_t kStepsRemembered = 3;
 /// One of so many even cuts of smaller regions is found by a search: it takes dead ends first,
 /// which random trees rarely meet. In larger ones a search is hopeless.
 constexpr std::uint32_t kSearchOneOf = 8;
@@ -140,10 +144,13 @@ private:
 
     void walk(int label) {
         goes_by_faces_ = distance_in_faces(label) > kFar && random_.below(2) == 0;
+        steps_before_.fill(-1);
         for (int i = 0; i < kCutsPerWalk && label >= 0 && deviation(label) > 0 &&
              unreported_faces_ < kFacesPerReport;
              ++i) {
-            label = step(label);
+            const int next = step(label);
+            steps_before_[i % kStepsRemembered] = label;
+            label = next;
         }
     }
 
@@ -314,8 +321,13 @@ private:
         }
     }
 
-    /// Of the sub-meshes beside the last one of a region that is nearest to where what the first
-    /// one is off can be made up for; of several any; -1 when there is none.
+    bool was_just_left(int label) const {
+        return std::find(steps_before_.begin(), steps_before_.end(), label) != steps_before_.end();
+    }
+
+    /// Of the sub-meshes beside the last one of a region, but those that the walk has just left,
+    /// the one that is nearest to where what the first one is off can be made up for; of several
+    /// any; -1 when there is none.
     int nearest_to_goal(const Region& region) {
         const bool outward = is_heavy(region.labels.front());
         int nearest = -1;
@@ -323,7 +335,7 @@ private:
         std::uint32_t count = 0;
         for_each_face_across(region.labels.back(), [&](int face) {
             const int label = patchwork_.label(face);
-            if (has(region, label)) {
+            if (has(region, label) || was_just_left(label)) {
                 return;
             }
             const int distance =
@@ -365,6 +377,8 @@ private:
     std::vector<int> face_distance_[2];
     /// Does the walk?
     bool goes_by_faces_ = false;
+    /// Where the walk was, in a ring; -1: nowhere.
+    std::array<int, kStepsRemembered> steps_before_{};
     /// Cuts since one of them made the sub-meshes less off.
     std::int64_t idle_cuts_ = 0;
     /// Faces that were cut since the distances were measured; at first those that are due.

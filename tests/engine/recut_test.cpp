@@ -203,5 +203,38 @@ TEST(Recut, SplitsLimbsLengthwiseAlongWalls) {
     }
 }
 
+/// A vertex is put into each face that is there, one after another, and of the three that it makes
+/// one stays as it is: nests of equal depth, each with two in it.
+TriangleMesh evenly_stacked(int face_count) {
+    TriangleMesh mesh = tetrahedron();
+    for (int f = 0; mesh.face_count() < face_count; ++f) {
+        const auto [a, b, c] = mesh.faces[f];
+        const int tip = mesh.vertex_count();
+        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) *
+                                 (1.0 / 3.0));
+        mesh.faces[f] = {a, b, tip};
+        mesh.faces.push_back({b, c, tip});
+        mesh.faces.push_back({c, a, tip});
+    }
+    return mesh;
+}
+
+TEST(Recut, DoesNotGoToAndFroBetweenNests) {
+    const Levels levels(evenly_stacked(2000));
+    const int face_count = levels.mesh.face_count();
+    int balanced_count = 0;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        for (int faces_each : {3, 4, 7, 20}) {
+            Patchwork patchwork = levels.multilevel.coarsen(face_count, face_count / faces_each);
+            bisect(patchwork, patchwork.submesh_count(), seed, 1);
+            repair(patchwork);
+            std::int64_t cuts_left = kManyCuts;
+            balanced_count += recut_to_balance(patchwork, cuts_left);
+            EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << faces_each << ", " << seed;
+        }
+    }
+    EXPECT_GE(balanced_count, 15); // of 16; where walks may turn back 9
+}
+
 } // namespace
 } // namespace spheroseg
