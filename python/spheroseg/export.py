@@ -138,6 +138,7 @@ def _materials(gltf, colours: np.ndarray) -> list:
     return [
         gltf.Material(
             name=f"colour {index}",
+            doubleSided=True,  # open surfaces are seen from both sides
             pbrMetallicRoughness=gltf.PbrMetallicRoughness(
                 baseColorFactor=[*map(float, colour), 1.0], metallicFactor=0.0, roughnessFactor=0.8
             ),

@@ -248,6 +248,7 @@ def test_glb_header_buffers_and_materials_agree(labelled):
     for submesh, primitive in enumerate(primitives):
         around = submeshes.neighbours[slice(*submeshes.neighbour_starts[submesh:][:2])]
         assert primitive["material"] not in {primitives[other]["material"] for other in around}
+    assert all(material["doubleSided"] for material in document["materials"])
 
 
 def test_glb_arrays_are_aligned_to_their_components():
