@@ -827,13 +827,17 @@ def test_each_method_has_its_own_colour_and_marker():
 
 def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsys):
     write_inputs(tmp_path / "in")
-    for package in ("jinja2", "pyvista"):
+    names = ("jinja2", "pyvista", "pymetis")
+    for package in (*names, "kaminpar"):
         monkeypatch.setitem(sys.modules, package, None)
-    assert evaluate(tmp_path / "in", tmp_path / "out") == 2
+    methods = ["--methods", "fast_draft,metis_kway,metis_recursive"]
+    assert evaluate(tmp_path / "in", tmp_path / "out", *methods) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert [f"needs the package '{name}'" in said for name in ("jinja2", "pyvista")] == [True] * 2
-    assert "'pip install jinja2 pyvista'" in said
+    assert [f"needs the package '{name}'" in said for name in names] == [True] * 3
+    assert "the method metis_kway needs" in said
+    assert "'pip install jinja2 pyvista pymetis'" in said
+    assert not (tmp_path / "out").exists()
     assert "pip install 'spheroseg[evaluate]'" in said
 
 

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from spheroseg import api
+from spheroseg.baselines import BASELINES
 from spheroseg.batch import inputs
 from spheroseg.commands import shared
 from spheroseg.errors import InputError
@@ -60,7 +61,7 @@ def run(arguments) -> int:
     shared.check_folder(folder)
     plan = _plan(arguments)
     sources = inputs.collect(arguments.inputs)
-    report = _report_module()
+    report = _report_module(plan)
     files = runner.files_of(sources, plan)
     with report_folder.prepared(folder, files) as earlier:
         rows, failed_meshes, failures = _evaluate(sources, plan, folder)
@@ -123,6 +124,10 @@ def _why_nothing_ran(rows: list[dict], failures: list[str]) -> str:
     )
 
 
-def _report_module():
-    require_all(dict.fromkeys(("jinja2", "matplotlib", "pyvista"), "a report"))
+def _report_module(plan: runner.Plan):
+    purposes = dict.fromkeys(("jinja2", "matplotlib", "pyvista"), "a report")
+    for name in plan.methods:
+        if name in BASELINES:
+            purposes.setdefault(BASELINES[name].package, f"the method {name}")
+    require_all(purposes)
     return importlib.import_module("spheroseg.evaluate.report")
