@@ -19,9 +19,7 @@ TEST(Balance, EverySubmeshHoldsFloorOrCeilingFacesOrItSaysSo) {
     const Levels levels(displaced_sphere(3));
     for (int k : {2, 7, 31, 200}) {
         // Many small sub-meshes may get stuck without annealing; they stay sound all the same.
-        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
-        bisect(patchwork, k, 1, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, 1);
         const bool balanced = balance_exactly(patchwork);
         EXPECT_TRUE(balanced || k == 200) << k;
         EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k;
@@ -95,9 +93,7 @@ TEST(Balance, IsNeverFartherOffThanItWas) {
             if (3 * k > face_count) {
                 continue;
             }
-            Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
-            bisect(patchwork, k, seed, 1);
-            repair(patchwork);
+            Patchwork patchwork = rough_patchwork(levels, k, seed);
             const int before = imbalance(patchwork);
             const bool balanced = balance_exactly(patchwork);
             EXPECT_LE(imbalance(patchwork), before) << k << ", seed " << seed;

@@ -21,9 +21,7 @@ Schedules standard() {
 
 /// Annealed with a pull towards balance, as before exact balance.
 Patchwork annealed(const Levels& levels, int submesh_count, std::uint64_t seed) {
-    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);
-    bisect(patchwork, submesh_count, seed, 1);
-    repair(patchwork);
+    Patchwork patchwork = rough_patchwork(levels, submesh_count, seed);
     AnnealSchedule schedule = standard().next(standard().first(seed), patchwork);
     set_balance(schedule, patchwork, 0.5, 10.0);
     anneal(patchwork, schedule, {});
@@ -90,9 +88,7 @@ TEST(BranchAnnealing, ShortensBoundaries) {
 
 TEST(BranchAnnealing, StopsWhenTheTimeIsUpOrItIsCancelled) {
     const Levels levels(comb(60, 20));
-    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 6);
-    bisect(patchwork, 6, 3, 1);
-    repair(patchwork);
+    Patchwork patchwork = rough_patchwork(levels, 6, 3);
     EXPECT_THROW(pass_branches(patchwork, nullptr, [](double, const char*) { return false; }),
                  Cancelled);
     EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));

@@ -147,9 +147,7 @@ TEST(ExactCut, CutsARegionEvenlyExactlyWhereThatIsPossible) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const Levels levels(sieve(displaced_sphere(2), 0.3, seed));
         const int k = levels.mesh.face_count() / 4;
-        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
-        bisect(patchwork, k, seed, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, seed);
         const std::vector<int> before = levels.multilevel.labels(patchwork);
         for (int l = 0; l + 1 < k; ++l) {
             const auto is_inside = [l](int label) { return label == l || label == l + 1; };

@@ -58,6 +58,14 @@ inline int imbalance(const Patchwork& patchwork) {
     return sum;
 }
 
+/// The finest level parted by bisection: sound, with loads that may be far from even.
+inline Patchwork rough_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);
+    bisect(patchwork, submesh_count, seed, 1);
+    repair(patchwork);
+    return patchwork;
+}
+
 /// The finest level parted into disks by bisection, then ragged by random moves that are allowed.
 inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {
     Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);

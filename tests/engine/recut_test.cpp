@@ -23,9 +23,7 @@ TEST(Recut, BalancesSubmeshesOfStackedTriangulations) {
         const Levels levels(stacked(kFaces, seed));
         for (int faces_each : {2, 3, 5, 8, 15, 50, 100, 150, 300, 1000}) {
             const int k = kFaces / faces_each;
-            Patchwork patchwork = levels.multilevel.coarsen(kFaces, k);
-            bisect(patchwork, k, seed, 1);
-            repair(patchwork);
+            Patchwork patchwork = rough_patchwork(levels, k, seed);
             std::int64_t cuts_left = kManyCuts;
             const bool balanced = recut_to_balance(patchwork, cuts_left);
             const Measures measures = measures_of(levels, patchwork);
@@ -88,9 +86,7 @@ TEST(Recut, IsNeverFartherOffThanItWas) {
                                           : random_tree(300, seed));
         const int face_count = levels.mesh.face_count();
         for (int faces_each : {2, 3, 5, 12, 150}) {
-            Patchwork patchwork = levels.multilevel.coarsen(face_count, face_count / faces_each);
-            bisect(patchwork, patchwork.submesh_count(), seed, 1);
-            repair(patchwork);
+            Patchwork patchwork = rough_patchwork(levels, face_count / faces_each, seed);
             const int before = imbalance(patchwork);
             std::int64_t cuts_left = kManyCuts;
             const bool balanced = recut_to_balance(patchwork, cuts_left);
@@ -109,9 +105,7 @@ TEST(Recut, IsNeverFartherOffThanItWas) {
 
 TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     const Levels levels(stacked(600, 1));
-    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 150);
-    bisect(patchwork, 150, 1, 1);
-    repair(patchwork);
+    Patchwork patchwork = rough_patchwork(levels, 150, 1);
     ASSERT_GT(imbalance(patchwork), 0);
     const std::vector<int> before = cell_labels(patchwork);
     const Deadline deadline(1e-9);
@@ -140,9 +134,7 @@ TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
 // What can not be balanced keeps it busy.
 TEST(Recut, StopsOnTheWayToo) {
     const Levels levels(random_tree(1000, 1));
-    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 30);
-    bisect(patchwork, 30, 1, 1);
-    repair(patchwork);
+    Patchwork patchwork = rough_patchwork(levels, 30, 1);
     std::int64_t cuts_left = kManyCuts;
     int reports = 0;
     EXPECT_THROW(recut_to_balance(patchwork,
@@ -175,9 +167,7 @@ TEST(Recut, CarriesFacesAlongManyTubes) {
     const int face_count = levels.mesh.face_count();
     const int k = face_count / 3;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
-        Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
-        bisect(patchwork, k, seed, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, seed);
         std::int64_t cuts_left = kManyCuts;
         EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << seed;
         EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << seed;
@@ -190,9 +180,7 @@ TEST(Recut, SplitsLimbsLengthwiseAlongWalls) {
     const int face_count = levels.mesh.face_count();
     const int k = face_count / 250;
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
-        Patchwork patchwork = levels.multilevel.coarsen(face_count, k);
-        bisect(patchwork, k, seed, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, seed);
         Patchwork at_random = patchwork;
         std::int64_t cuts_left = kManyCuts;
         EXPECT_TRUE(recut_to_balance(patchwork, cuts_left, TreeTurns::often_along_walls)) << seed;
@@ -203,31 +191,13 @@ TEST(Recut, SplitsLimbsLengthwiseAlongWalls) {
     }
 }
 
-/// A vertex is put into each face that is there, one after another, and of the three that it makes
-/// one stays as it is: nests of equal depth, each with two in it.
-TriangleMesh evenly_stacked(int face_count) {
-    TriangleMesh mesh = tetrahedron();
-    for (int f = 0; mesh.face_count() < face_count; ++f) {
-        const auto [a, b, c] = mesh.faces[f];
-        const int tip = mesh.vertex_count();
-        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) *
-                                 (1.0 / 3.0));
-        mesh.faces[f] = {a, b, tip};
-        mesh.faces.push_back({b, c, tip});
-        mesh.faces.push_back({c, a, tip});
-    }
-    return mesh;
-}
-
 TEST(Recut, DoesNotGoToAndFroBetweenNests) {
     const Levels levels(evenly_stacked(2000));
     const int face_count = levels.mesh.face_count();
     int balanced_count = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         for (int faces_each : {3, 4, 7, 20}) {
-            Patchwork patchwork = levels.multilevel.coarsen(face_count, face_count / faces_each);
-            bisect(patchwork, patchwork.submesh_count(), seed, 1);
-            repair(patchwork);
+            Patchwork patchwork = rough_patchwork(levels, face_count / faces_each, seed);
             std::int64_t cuts_left = kManyCuts;
             balanced_count += recut_to_balance(patchwork, cuts_left);
             EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << faces_each << ", " << seed;

@@ -330,6 +330,17 @@ inline TriangleMesh random_tree(int face_count, std::uint64_t seed) {
     return mesh;
 }
 
+/// Replaces face f, and appends two, by three around a vertex in its middle.
+inline void put_vertex_into(TriangleMesh& mesh, int f) {
+    const auto [a, b, c] = mesh.faces[f];
+    const int tip = mesh.vertex_count();
+    mesh.positions.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) *
+                             (1.0 / 3.0));
+    mesh.faces[f] = {a, b, tip};
+    mesh.faces.push_back({b, c, tip});
+    mesh.faces.push_back({c, a, tip});
+}
+
 /// A stacked triangulation: vertices put into faces that chance chooses. Closed, of genus 0, and
 /// with many vertices of valence 3 and some of a very large one.
 inline TriangleMesh stacked(int face_count, std::uint64_t seed) {
@@ -338,13 +349,17 @@ inline TriangleMesh stacked(int face_count, std::uint64_t seed) {
     while (mesh.face_count() < face_count) {
         const auto f =
             static_cast<int>(random.below(static_cast<std::uint32_t>(mesh.face_count())));
-        const auto [a, b, c] = mesh.faces[f];
-        const int tip = mesh.vertex_count();
-        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) *
-                                 (1.0 / 3.0));
-        mesh.faces[f] = {a, b, tip};
-        mesh.faces.push_back({b, c, tip});
-        mesh.faces.push_back({c, a, tip});
+        put_vertex_into(mesh, f);
+    }
+    return mesh;
+}
+
+/// The same with a vertex put into each face that is there, one after another, so that of the three
+/// new ones one stays as it is: nests of equal depth, each with two in it.
+inline TriangleMesh evenly_stacked(int face_count) {
+    TriangleMesh mesh = tetrahedron();
+    for (int f = 0; mesh.face_count() < face_count; ++f) {
+        put_vertex_into(mesh, f);
     }
     return mesh;
 }

@@ -60,9 +60,7 @@ TEST(TreeCut, GivesEachSubmeshTheSizeThatIsWantedAndLeavesOthersAlone) {
     for (const TriangleMesh& mesh : meshes) {
         const Levels levels(mesh);
         const int k = mesh.face_count() / 12;
-        Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), k);
-        bisect(patchwork, k, 1, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, 1);
         TreeCut at_random(patchwork);
         TreeCut along_walls(patchwork, TreeTurns::often_along_walls);
         Random random(1);
@@ -107,9 +105,7 @@ TEST(TreeCut, FindsOnlyCutsThatExistAndMostOfThem) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const Levels levels(sieve(displaced_sphere(2), 0.3, seed));
         const int k = levels.mesh.face_count() / 4;
-        Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), k);
-        bisect(patchwork, k, seed, 1);
-        repair(patchwork);
+        Patchwork patchwork = rough_patchwork(levels, k, seed);
         const std::vector<int> before = levels.multilevel.labels(patchwork);
         for (int l = 0; l + 1 < k; ++l) {
             TriangleMesh part{levels.mesh.positions, {}};
