@@ -26,7 +26,7 @@ def segment(
     """Labels by KaMinPar `strong`: the first F mod k parts hold at most ceil(F/k) triangles, the
     others floor(F/k), so every part is exactly full. The same labels again only on one thread."""
     graph = checked_graph(faces, k, seed, graph)
-    return partition(load_graph(graph), len(faces), k, seed, thread_count)
+    return partition(load_graph(graph, thread_count), len(faces), k, seed, thread_count)
 
 
 def prepare(vertices: np.ndarray, faces: np.ndarray, graph: DualGraph) -> Callable:
@@ -40,13 +40,18 @@ def prepare(vertices: np.ndarray, faces: np.ndarray, graph: DualGraph) -> Callab
     return run
 
 
-def load_graph(graph: DualGraph):
+def load_graph(graph: DualGraph, thread_count: int = 1):
     """KaMinPar's own graph, which its package reads from files only."""
     kaminpar = require("kaminpar")
+    # While a solver lives, its number of threads holds for all that KaMinPar does. Without one,
+    # reading starts a thread for each core; one that is late could take part in what follows.
+    limit = kaminpar.KaMinPar(thread_count, kaminpar.strong_context())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "dual.graph"
         path.write_text(metis_text(graph))
-        return kaminpar.load_graph(str(path), kaminpar.GraphFileFormat.METIS)
+        loaded = kaminpar.load_graph(str(path), kaminpar.GraphFileFormat.METIS)
+    del limit
+    return loaded
 
 
 def partition(kaminpar_graph, face_count: int, k: int, seed: int, thread_count: int) -> np.ndarray:
