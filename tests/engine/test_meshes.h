@@ -239,14 +239,15 @@ inline TriangleMesh torus(int around, int across) {
     return mesh;
 }
 
-/// Flat open square of 2 * side^2 faces; its 4 * side border edges are open.
-inline TriangleMesh open_grid(int side) {
+/// The squares of a flat grid for which `is_there(x, y)` is true, two faces each. Open; keeps the
+/// vertices of the others.
+template <typename IsThere> TriangleMesh flat_squares(int width, int height, IsThere is_there) {
     TriangleMesh mesh;
-    const auto at = [&](int x, int y) { return y * (side + 1) + x; };
-    for (int y = 0; y <= side; ++y) {
-        for (int x = 0; x <= side; ++x) {
+    const auto at = [&](int x, int y) { return y * (width + 1) + x; };
+    for (int y = 0; y <= height; ++y) {
+        for (int x = 0; x <= width; ++x) {
             mesh.positions.push_back({static_cast<double>(x), static_cast<double>(y), 0.0});
-            if (x < side && y < side) {
+            if (x < width && y < height && is_there(x, y)) {
                 mesh.faces.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
                 mesh.faces.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
             }
@@ -255,20 +256,20 @@ inline TriangleMesh open_grid(int side) {
     return mesh;
 }
 
+/// Flat open square of 2 * side^2 faces; its 4 * side border edges are open.
+inline TriangleMesh open_grid(int side) {
+    return flat_squares(side, side, [](int, int) { return true; });
+}
+
 /// The same with square holes of 2 * 2 squares, two squares apart.
 inline TriangleMesh grid_with_holes(int side) {
-    TriangleMesh mesh = open_grid(side);
-    const auto in_hole = [&](int square) {
-        return square % side % 4 / 2 == 1 && square / side % 4 / 2 == 1;
-    };
-    std::vector<Triangle> kept;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        if (!in_hole(f / 2)) {
-            kept.push_back(mesh.faces[f]);
-        }
-    }
-    mesh.faces = kept;
-    return mesh;
+    return flat_squares(side, side, [](int x, int y) { return x % 4 / 2 == 0 || y % 4 / 2 == 0; });
+}
+
+/// Flat and open: a bar one square wide with teeth of `height` squares, two wide and one apart.
+inline TriangleMesh flat_comb(int teeth, int height) {
+    return flat_squares(
+        3 * teeth - 1, height + 1, [](int x, int y) { return y == 0 || x % 3 < 2; });
 }
 
 /// Without every so many faces, none of which share a vertex.
@@ -429,27 +430,6 @@ inline TriangleMesh lattice(int nodes) {
 inline TriangleMesh comb(int teeth, int height) {
     return surface_of_cubes({4 * teeth - 2, height + 2, 2},
                             [](int x, int y, int) { return y < 2 || x % 4 < 2; });
-}
-
-/// Flat and open: a bar one square wide with teeth of `height` squares, two wide and one apart.
-inline TriangleMesh flat_comb(int teeth, int height) {
-    TriangleMesh mesh;
-    const int width = 3 * teeth - 1;
-    for (int y = 0; y <= height + 1; ++y) {
-        for (int x = 0; x <= width; ++x) {
-            mesh.positions.push_back({static_cast<double>(x), static_cast<double>(y), 0.0});
-        }
-    }
-    const auto at = [&](int x, int y) { return y * (width + 1) + x; };
-    for (int y = 0; y <= height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            if (y == 0 || x % 3 < 2) {
-                mesh.faces.push_back({at(x, y), at(x + 1, y), at(x + 1, y + 1)});
-                mesh.faces.push_back({at(x, y), at(x + 1, y + 1), at(x, y + 1)});
-            }
-        }
-    }
-    return mesh;
 }
 
 /// How a mesh is made. As the parameter of a test it costs nothing in the processes of other tests.
