@@ -4,6 +4,7 @@ multilevel graph partitioning", 2021)."""
 
 from __future__ import annotations
 
+import functools
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -26,42 +27,45 @@ def segment(
     """Labels by KaMinPar `strong`: the first F mod k parts hold at most ceil(F/k) triangles, the
     others floor(F/k), so every part is exactly full. The same labels again only on one thread."""
     graph = checked_graph(faces, k, seed, graph)
-    return partition(load_graph(graph, thread_count), len(faces), k, seed, thread_count)
+    solver = _solver(thread_count)
+    return partition(solver, load_graph(graph), len(faces), k, seed)
 
 
 def prepare(vertices: np.ndarray, faces: np.ndarray, graph: DualGraph) -> Callable:
     """See `baselines.prepare`."""
+    _solver(1)
     own = load_graph(graph)
 
     def run(k: int, seed: int) -> np.ndarray:
         checked_graph(faces, k, seed, graph)
-        return partition(own, len(faces), k, seed, thread_count=1)
+        return partition(_solver(1), own, len(faces), k, seed)
 
     return run
 
 
-def load_graph(graph: DualGraph, thread_count: int = 1):
+@functools.lru_cache(maxsize=1)
+def _solver(thread_count: int):
+    """Kept, and made before a graph is read: while it lives, its number of threads holds for all
+    that KaMinPar does. Without one, KaMinPar starts a thread for each core."""
+    kaminpar = require("kaminpar")
+    return kaminpar.KaMinPar(thread_count, kaminpar.strong_context())
+
+
+def load_graph(graph: DualGraph):
     """KaMinPar's own graph, which its package reads from files only."""
     kaminpar = require("kaminpar")
-    # While a solver lives, its number of threads holds for all that KaMinPar does. Without one,
-    # reading starts a thread for each core; one that is late could take part in what follows.
-    limit = kaminpar.KaMinPar(thread_count, kaminpar.strong_context())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "dual.graph"
         path.write_text(metis_text(graph))
-        loaded = kaminpar.load_graph(str(path), kaminpar.GraphFileFormat.METIS)
-    del limit
-    return loaded
+        return kaminpar.load_graph(str(path), kaminpar.GraphFileFormat.METIS)
 
 
-def partition(kaminpar_graph, face_count: int, k: int, seed: int, thread_count: int) -> np.ndarray:
-    kaminpar = require("kaminpar")
+def partition(solver, kaminpar_graph, face_count: int, k: int, seed: int) -> np.ndarray:
     if k == 1:
         return np.zeros(face_count, dtype=np.int32)
     floor, larger = divmod(face_count, k)
     limits = [floor + 1] * larger + [floor] * (k - larger)
-    kaminpar.reseed(seed)
-    solver = kaminpar.KaMinPar(thread_count, kaminpar.strong_context())
+    require("kaminpar").reseed(seed)
     return as_labels(solver.compute_partition(kaminpar_graph, max_block_weights=limits))
 
 
