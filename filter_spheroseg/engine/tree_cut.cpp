@@ -22,22 +22,8 @@ constexpr int kWaiting = -2;
 } // namespace
 
 TreeCut::TreeCut(Patchwork& patchwork, TreeTurns turns)
-    : patchwork_(patchwork), turns_(turns), vertex_(3 * patchwork.cells.size(), -1),
-      place_(patchwork.cells.size(), kOutside), is_of_first_(patchwork.cells.size(), 0) {
-    int vertex_count = 0;
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        for (int c = 0; c < 3; ++c) {
-            if (vertex_[3 * f + c] < 0) {
-                vertex_[3 * f + c] = vertex_count;
-                for_each_around(patchwork, f, c, [&](int face, int corner) {
-                    vertex_[3 * face + corner] = vertex_count;
-                });
-                ++vertex_count;
-            }
-        }
-    }
-    ends_.assign(vertex_count, 0);
-}
+    : patchwork_(patchwork), turns_(turns), bowtie_finder_(patchwork),
+      place_(patchwork.cells.size(), kOutside), is_of_first_(patchwork.cells.size(), 0) {}
 
 bool TreeCut::cut(const Region& region, const std::vector<int>& sizes, Random& random) {
     faces_ = region.faces;
@@ -216,28 +202,18 @@ int TreeCut::size_of(Set set) const {
     return size;
 }
 
-/// A sub-mesh has a bowtie at a vertex where it ends at more than two sides.
 bool TreeCut::is_free_of_bowties() {
     // The faces of each sub-mesh lie together.
-    bool is_free = true;
-    for (std::size_t begin = 0; is_free && begin < faces_.size();) {
+    const auto ends = [this](int face, int corner) { return fan_ends(patchwork_, face, corner); };
+    for (std::size_t begin = 0; begin < faces_.size();) {
         const int label = patchwork_.label(faces_[begin]);
         const std::size_t end = begin + static_cast<std::size_t>(patchwork_.load[label]);
-        const auto for_each_corner = [&](auto visit) {
-            for (std::size_t i = begin; i < end; ++i) {
-                for (int c = 0; c < 3; ++c) {
-                    visit(faces_[i], c, ends_[vertex_[3 * faces_[i] + c]]);
-                }
-            }
-        };
-        for_each_corner([&](int face, int corner, int& ends) {
-            ends += fan_ends(patchwork_, face, corner);
-            is_free = is_free && ends <= 2;
-        });
-        for_each_corner([](int, int, int& ends) { ends = 0; });
+        if (bowtie_finder_.has_bowtie(faces_, begin, end, ends)) {
+            return false;
+        }
         begin = end;
     }
-    return is_free;
+    return true;
 }
 
 } // namespace spheroseg

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "bowtie_finder.h"
 #include "patchwork.h"
 #include "random.h"
 
@@ -59,10 +60,7 @@ private:
 
     Patchwork& patchwork_;
     const TreeTurns turns_;
-    /// For each corner (3 * face + corner) the number of its vertex.
-    std::vector<int> vertex_;
-    /// Sides at each vertex where the sub-mesh that is looked at ends.
-    std::vector<int> ends_;
+    BowtieFinder bowtie_finder_;
     /// For each face its place in the tree, kWaiting, or kOutside of the part that a tree grows on.
     std::vector<int> place_;
     /// The faces of the region; what was cut lies together.
