@@ -3,6 +3,7 @@
 
 #include "balance.h"
 #include "branch_annealing.h"
+#include "narrow_cut.h"
 #include "recut.h"
 
 #include <algorithm>
@@ -20,6 +21,9 @@ constexpr int kLargeSubmesh = 100;
 /// of that. Where that found a balance it rarely took more. Without any left there are no further
 /// tries.
 constexpr std::int64_t kMostCuts = 250;
+/// Pairs of ways that are looked at where regions are cut as a whole, per face of the mesh, in all
+/// tries.
+constexpr std::int64_t kMostNarrowWork = 3000;
 /// Faces that are looked at to balance initial labels, per face of the mesh. Where they were near
 /// to it 4 sufficed; from random labels of 300,000 faces it took 40 to 600, more time than another
 /// start, whose boundaries were 4 to 5 % shorter.
@@ -34,7 +38,8 @@ BalanceSearch::BalanceSearch(Patchwork& patchwork,
                              const Deadline& deadline,
                              const Progress& progress)
     : patchwork_(patchwork), schedules_(schedules), seed_(seed), start_(start), deadline_(deadline),
-      progress_(progress), cuts_left_(kMostCuts * patchwork.submesh_count() / (start + 1)) {}
+      progress_(progress), cuts_left_(kMostCuts * patchwork.submesh_count() / (start + 1)),
+      narrow_work_left_(kMostNarrowWork * patchwork.face_count() / (start + 1)) {}
 
 bool BalanceSearch::pass_faces() {
     return is_near_balance(patchwork_) && balance_exactly(patchwork_, &deadline_, progress_);
@@ -85,7 +90,9 @@ bool BalanceSearch::pass_or_recut(TreeTurns turns) {
 }
 
 bool BalanceSearch::recut(TreeTurns turns) {
-    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_);
+    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_) ||
+        (!spheroseg::is_hopeless(patchwork_) &&
+         cut_narrow_regions(patchwork_, narrow_work_left_, &deadline_, progress_));
 }
 
 } // namespace spheroseg

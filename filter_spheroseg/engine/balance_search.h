@@ -17,7 +17,7 @@ namespace spheroseg {
 /// must outlive the object.
 class BalanceSearch {
 public:
-    /// `start`: which start of `fast` this is, from 0 on; later ones make fewer recuts.
+    /// `start`: which start of `fast` this is, from 0 on; later ones make fewer cuts.
     BalanceSearch(Patchwork& patchwork,
                   const Schedules& schedules,
                   std::uint64_t seed,
@@ -32,11 +32,12 @@ public:
     /// large: there the boundaries that recuts make would be long. Slow; ends early when `limit`
     /// has expired.
     void pass_branches(const Deadline& limit);
-    /// balance_exactly and recut_to_balance, with limits: beyond them another start takes less
+    /// balance_exactly and the two kinds of cuts, with limits: beyond them another start takes less
     /// time.
     bool balance_initial_labels();
-    /// balance_exactly and recut_to_balance, several times; in between, boundaries are annealed
-    /// with a strong pull towards balance. From the second time on recuts also follow walls.
+    /// balance_exactly, recut_to_balance and cut_narrow_regions, several times; in between,
+    /// boundaries are annealed with a strong pull towards balance. From the second time on recuts
+    /// also follow walls.
     bool search();
     /// Did `search` leave so many sub-meshes out of balance that only another kind of start is
     /// worth a try?
@@ -54,6 +55,7 @@ private:
     const Deadline& deadline_;
     const Progress& progress_;
     std::int64_t cuts_left_;
+    std::int64_t narrow_work_left_;
     bool is_hopeless_ = false;
 };
 

@@ -1,0 +1,578 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "narrow_cut.h"
+
+#include "bowtie_finder.h"
+#include "random.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <tuple>
+#include <unordered_set>
+#include <utility>
+
+namespace spheroseg {
+
+namespace {
+
+constexpr int kMostEdges = 12;
+constexpr int kLargestSubmesh = 20;
+/// Of a region: the lists take about 3 kB per face.
+constexpr std::size_t kMostFaces = 1 << 16;
+/// Ways that a list holds, and pairs of ways that are looked at for each of them.
+constexpr int kMostWays = 1000;
+constexpr int kPairsPerWay = 40;
+/// The parts of two blocks are joined across each set of the edges between these; where there are
+/// more than this, across as many sets drawn by chance.
+constexpr int kMostEdgesJoinedInAllWays = 5;
+/// The sub-meshes with one face more are spread over the region: in a block there may be so many
+/// more of them, or fewer, than its share; in the last attempt, which matters on small meshes, any
+/// number.
+constexpr double kOffShare = 1;
+/// The first region has so many sub-meshes, or more; after a failure the next one has twice as
+/// many. All faces are cut so many times in vain, then it ends.
+constexpr std::size_t kFirstRegion = 8;
+constexpr int kTriesOfAll = 2;
+/// What making the blocks of a region takes, in pairs of ways for each face.
+constexpr std::int64_t kWorkPerFace = 100;
+constexpr std::int64_t kWorkPerReport = 10000;
+
+/// A way to cut a block: into parts, each the part of a sub-mesh that lies in the block. Those with
+/// outer edges come first, the rest is complete and not kept.
+struct Way {
+    /// The ways to cut the two blocks that it is made of, and a bit for each edge between them that
+    /// joins the parts at its ends.
+    std::array<int, 2> of = {-1, -1};
+    std::uint32_t joints = 0;
+    /// Complete sub-meshes with one face more than the others.
+    int large_count = 0;
+    int part_count = 1;
+    /// The part at each outer edge, and the faces of each part.
+    std::array<std::uint8_t, kMostEdges> part{};
+    std::array<std::uint8_t, kMostEdges> size{};
+};
+
+/// How the parts of two blocks are joined.
+struct Joint {
+    /// For each part of the first block, then of the second one, the part of the whole; those from
+    /// `open_count` on are complete sub-meshes.
+    std::array<int, 2 * kMostEdges> part;
+    std::array<int, 2 * kMostEdges> size;
+    int open_count = 0;
+    int count = 0;
+};
+
+/// Connected faces of the region. Faces are numbered in its order; blocks [0, faces) are single
+/// faces.
+struct Block {
+    struct Edge {
+        int inside;
+        int outside;
+    };
+    struct Origin {
+        int side;
+        int edge;
+    };
+    std::array<int, 2> of = {-1, -1};
+    int face_count = 1;
+    std::vector<Edge> outer;
+    /// Of which of the two blocks an outer edge is, and which of its outer edges.
+    std::vector<Origin> origin;
+    /// The edges between the two: which outer edges of theirs.
+    std::vector<std::array<int, 2>> inner;
+    std::vector<Way> ways;
+
+    bool is_face() const { return of[0] < 0; }
+};
+
+class NarrowCut {
+public:
+    NarrowCut(Patchwork& patchwork,
+              std::int64_t& work_left,
+              const Deadline* deadline,
+              const Progress& progress)
+        : patchwork_(patchwork), work_left_(work_left), deadline_(deadline), progress_(progress),
+          even_(even_loads(patchwork)), bowtie_finder_(patchwork),
+          number_(patchwork.face_count(), -1), is_marked_(patchwork.face_count(), 0),
+          faces_of_(patchwork.submesh_count()) {
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            faces_of_[patchwork.label(f)].push_back(f);
+        }
+    }
+
+    bool run() {
+        bool balanced = true;
+        for (int label = 0; label < patchwork_.submesh_count(); ++label) {
+            balanced =
+                (even_.deviation(patchwork_.load[label]) == 0 || cut_around(label)) && balanced;
+        }
+        return balanced;
+    }
+
+private:
+    bool may_go_on() const {
+        return work_left_ > 0 && tries_of_all_ < kTriesOfAll &&
+            !(deadline_ && deadline_->expired());
+    }
+
+    bool cut_around(int label) {
+        for (std::size_t least = kFirstRegion; may_go_on();) {
+            const Region region = region_around(label, least);
+            if (cut(region)) {
+                for (int l : region.labels) {
+                    faces_of_[l].clear();
+                }
+                for (int f : region.faces) {
+                    faces_of_[patchwork_.label(f)].push_back(f);
+                }
+                return true;
+            }
+            if (region.faces.size() > kMostFaces) {
+                return false;
+            }
+            tries_of_all_ +=
+                region.labels.size() < least || region.faces.size() == patchwork_.cells.size();
+            least = 2 * std::max(least, region.labels.size());
+        }
+        return false;
+    }
+
+    /// The sub-meshes nearest to one, at least so many and as many as it takes to share their faces
+    /// out evenly; where that can not be done, all of the component.
+    Region region_around(int label, std::size_t least) const {
+        Region region;
+        std::vector<int> queue(1, label);
+        std::vector<std::uint8_t> is_met(patchwork_.submesh_count(), 0);
+        is_met[label] = 1;
+        for (std::size_t head = 0;
+             head < queue.size() && (region.labels.size() < least || !can_be_even(region));
+             ++head) {
+            const std::vector<int>& faces = faces_of_[queue[head]];
+            region.labels.push_back(queue[head]);
+            region.faces.insert(region.faces.end(), faces.begin(), faces.end());
+            for (int f : faces) {
+                for (int neighbor : patchwork_.neighbors(f)) {
+                    if (neighbor >= 0 && is_met[patchwork_.label(neighbor)] == 0) {
+                        is_met[patchwork_.label(neighbor)] = 1;
+                        queue.push_back(patchwork_.label(neighbor));
+                    }
+                }
+            }
+        }
+        return region;
+    }
+
+    bool can_be_even(const Region& region) const {
+        const auto faces = static_cast<std::int64_t>(region.faces.size());
+        const auto count = static_cast<std::int64_t>(region.labels.size());
+        return even_.floor * count <= faces && faces <= even_.ceiling * count;
+    }
+
+    /// When it fails all labels are as they were.
+    bool cut(const Region& region) {
+        if (region.faces.size() > kMostFaces || !can_be_even(region) || !make_blocks(region)) {
+            return false;
+        }
+        most_large_ = static_cast<int>(region.faces.size()) -
+            even_.floor * static_cast<int>(region.labels.size());
+        for (std::size_t b = region.faces.size(); b < blocks_.size(); ++b) {
+            list_ways(blocks_[b]);
+            if (blocks_[b].ways.empty() || !may_go_on()) {
+                return false;
+            }
+        }
+        const std::vector<Way>& ways = blocks_.back().ways;
+        const auto found = std::find_if(ways.begin(), ways.end(), [this](const Way& way) {
+            return way.large_count == most_large_;
+        });
+        if (found == ways.end()) {
+            return false;
+        }
+        label_faces(region, static_cast<int>(found - ways.begin()));
+        return true;
+    }
+
+    /// Joins faces to blocks, always the two that have the fewest outer edges together; of these
+    /// the two with the most edges to blocks that touch both, which can be joined to them next;
+    /// then those with the fewest faces. False when there would be too many outer edges, or the
+    /// faces are not connected.
+    bool make_blocks(const Region& region) {
+        const auto face_count = static_cast<int>(region.faces.size());
+        work_left_ -= kWorkPerFace * face_count;
+        faces_ = region.faces;
+        for (int i = 0; i < face_count; ++i) {
+            number_[faces_[i]] = i;
+        }
+        blocks_.assign(face_count, Block());
+        blocks_.reserve(2 * region.faces.size());
+        for (int i = 0; i < face_count; ++i) {
+            for (int neighbor : patchwork_.neighbors(faces_[i])) {
+                if (neighbor >= 0 && number_[neighbor] >= 0) {
+                    blocks_[i].outer.push_back({i, number_[neighbor]});
+                }
+            }
+            Way whole;
+            whole.size[0] = 1;
+            blocks_[i].ways.push_back(whole);
+        }
+        for (int f : faces_) {
+            number_[f] = -1;
+        }
+        parent_.resize(face_count);
+        std::iota(parent_.begin(), parent_.end(), 0);
+        offers_ = {};
+        for (int i = 0; i < face_count; ++i) {
+            offer_neighbors(i);
+        }
+        while (!offers_.empty() && std::get<0>(offers_.top()) <= kMostEdges) {
+            const int first = std::get<4>(offers_.top());
+            const int second = std::get<5>(offers_.top());
+            offers_.pop();
+            if (parent_[first] == first && parent_[second] == second) {
+                join(first, second);
+                offer_neighbors(static_cast<int>(blocks_.size()) - 1);
+            }
+        }
+        return blocks_.back().face_count == face_count;
+    }
+
+    /// The largest block so far that a block is in.
+    int whole_of(int block) {
+        while (parent_[block] != block) {
+            parent_[block] = parent_[parent_[block]];
+            block = parent_[block];
+        }
+        return block;
+    }
+
+    /// Offers to join a block to each one beside it.
+    void offer_neighbors(int block) {
+        std::vector<int> others;
+        for (const Block::Edge& edge : blocks_[block].outer) {
+            others.push_back(whole_of(edge.outside));
+        }
+        std::sort(others.begin(), others.end());
+        for (auto begin = others.begin(); begin != others.end();) {
+            const auto end = std::upper_bound(begin, others.end(), *begin);
+            const Block& other = blocks_[*begin];
+            const auto outer = static_cast<int>(blocks_[block].outer.size() + other.outer.size()) -
+                2 * static_cast<int>(end - begin);
+            int apart = 0;
+            for (const Block::Edge& edge : other.outer) {
+                const int third = whole_of(edge.outside);
+                apart -= third != block && std::binary_search(others.begin(), others.end(), third);
+            }
+            offers_.emplace(outer,
+                            apart,
+                            blocks_[block].face_count + other.face_count,
+                            random_.next(),
+                            block,
+                            *begin);
+            begin = end;
+        }
+    }
+
+    void join(int first, int second) {
+        const auto name = static_cast<int>(blocks_.size());
+        Block block;
+        block.of = {first, second};
+        block.face_count = blocks_[first].face_count + blocks_[second].face_count;
+        for (const int side : {0, 1}) {
+            const std::vector<Block::Edge>& edges = blocks_[block.of[side]].outer;
+            const std::vector<Block::Edge>& others = blocks_[block.of[1 - side]].outer;
+            for (int e = 0; e < static_cast<int>(edges.size()); ++e) {
+                const Block::Edge edge = edges[e];
+                if (whole_of(edge.outside) != block.of[1 - side]) {
+                    block.outer.push_back(edge);
+                    block.origin.push_back({side, e});
+                } else if (side == 0) {
+                    const auto same =
+                        std::find_if(others.begin(), others.end(), [&](const Block::Edge& other) {
+                            return other.inside == edge.outside && other.outside == edge.inside;
+                        });
+                    block.inner.push_back({e, static_cast<int>(same - others.begin())});
+                }
+            }
+        }
+        blocks_.push_back(std::move(block));
+        parent_.push_back(name);
+        parent_[first] = name;
+        parent_[second] = name;
+    }
+
+    /// Lists ways to cut a block, no two of them alike at its outer edges.
+    void list_ways(Block& block) {
+        const std::vector<Way>& first = blocks_[block.of[0]].ways;
+        const std::vector<Way>& second = blocks_[block.of[1]].ways;
+        const auto pairs = static_cast<std::uint64_t>(first.size() * second.size());
+        const std::uint64_t most_pairs = std::min<std::uint64_t>(pairs, kPairsPerWay * kMostWays);
+        // All pairs in a random order, or the first ones of it.
+        const std::uint64_t start = random_.next() % pairs;
+        std::uint64_t stride = 1 + random_.next() % pairs;
+        while (std::gcd(stride, pairs) != 1) {
+            ++stride;
+        }
+        const auto edges = static_cast<int>(block.inner.size());
+        const bool tries_all = edges <= kMostEdgesJoinedInAllWays;
+        const double share = most_large_ * static_cast<double>(block.face_count) /
+            static_cast<double>(faces_.size());
+        std::unordered_set<std::uint64_t> keys;
+        Joint joint;
+        std::uint64_t i = 0;
+        for (; i < most_pairs && block.ways.size() < kMostWays; ++i) {
+            const std::uint64_t pair = (start + i * stride) % pairs;
+            Way way;
+            way.of = {static_cast<int>(pair / second.size()),
+                      static_cast<int>(pair % second.size())};
+            const Way& a = first[way.of[0]];
+            const Way& b = second[way.of[1]];
+            for (std::uint32_t j = 0; j < 1U << std::min(edges, kMostEdgesJoinedInAllWays); ++j) {
+                way.joints = tries_all ? j : random_.below(1U << edges);
+                if (!join_parts(block, a, b, way.joints, joint)) {
+                    continue;
+                }
+                describe(block, a, b, joint, way);
+                if (way.large_count <= most_large_ &&
+                    (tries_of_all_ == kTriesOfAll - 1 ||
+                     std::abs(way.large_count - share) <= kOffShare) &&
+                    keys.count(key_of(block, way)) == 0 && !completes_bowtie(block, way, joint)) {
+                    keys.insert(key_of(block, way));
+                    block.ways.push_back(way);
+                }
+            }
+        }
+        count_work(static_cast<std::int64_t>(i));
+    }
+
+    void count_work(std::int64_t pairs) {
+        work_left_ -= pairs;
+        unreported_work_ += pairs;
+        if (unreported_work_ >= kWorkPerReport) {
+            unreported_work_ = 0;
+            report_progress(progress_, 0.0, "Balancing");
+        }
+    }
+
+    /// False when a part gets too large, or has no outer edge and is too small.
+    bool join_parts(
+        const Block& block, const Way& a, const Way& b, std::uint32_t joints, Joint& joint) const {
+        std::array<int, 2 * kMostEdges> root;
+        std::array<int, 2 * kMostEdges> size;
+        std::array<int, 2 * kMostEdges> name;
+        const int count = a.part_count + b.part_count;
+        for (int i = 0; i < count; ++i) {
+            root[i] = i;
+            size[i] = i < a.part_count ? a.size[i] : b.size[i - a.part_count];
+            name[i] = -1;
+        }
+        const auto root_of = [&](int i) {
+            while (root[i] != i) {
+                i = root[i];
+            }
+            return i;
+        };
+        for (std::size_t e = 0; e < block.inner.size(); ++e) {
+            if ((joints >> e & 1) != 0) {
+                const int x = root_of(a.part[block.inner[e][0]]);
+                const int y = root_of(a.part_count + b.part[block.inner[e][1]]);
+                if (x != y) {
+                    root[y] = x;
+                    size[x] += size[y];
+                    if (size[x] > even_.ceiling) {
+                        return false;
+                    }
+                }
+            }
+        }
+        joint.count = 0;
+        const auto name_of = [&](int i) {
+            const int r = root_of(i);
+            if (name[r] < 0) {
+                joint.size[joint.count] = size[r];
+                name[r] = joint.count++;
+            }
+            return name[r];
+        };
+        for (const auto& [side, edge] : block.origin) {
+            name_of(side == 0 ? a.part[edge] : a.part_count + b.part[edge]);
+        }
+        joint.open_count = joint.count;
+        for (int i = 0; i < count; ++i) {
+            joint.part[i] = name_of(i);
+            if (joint.part[i] >= joint.open_count && size[root_of(i)] < even_.floor) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /// What a way is like at the outer edges of its block, and how many large sub-meshes it has.
+    void
+    describe(const Block& block, const Way& a, const Way& b, const Joint& joint, Way& way) const {
+        way.large_count = a.large_count + b.large_count;
+        for (int i = joint.open_count; i < joint.count; ++i) {
+            way.large_count += joint.size[i] > even_.floor;
+        }
+        way.part_count = joint.open_count;
+        for (int i = 0; i < way.part_count; ++i) {
+            way.size[i] = static_cast<std::uint8_t>(joint.size[i]);
+        }
+        for (std::size_t e = 0; e < block.origin.size(); ++e) {
+            const auto [side, edge] = block.origin[e];
+            way.part[e] = static_cast<std::uint8_t>(
+                joint.part[side == 0 ? a.part[edge] : a.part_count + b.part[edge]]);
+        }
+    }
+
+    /// Equal for ways that are alike at the outer edges, and hardly ever for others.
+    static std::uint64_t key_of(const Block& block, const Way& way) {
+        std::uint64_t key = Random(static_cast<std::uint64_t>(way.large_count)).next();
+        const auto add = [&key](std::uint8_t value) { key = Random(key + value).next(); };
+        std::for_each(way.part.begin(), way.part.begin() + block.outer.size(), add);
+        std::for_each(way.size.begin(), way.size.begin() + way.part_count, add);
+        return key;
+    }
+
+    /// Has one of the sub-meshes that the joint completes a bowtie?
+    bool completes_bowtie(const Block& block, const Way& way, const Joint& joint) {
+        bool found = false;
+        for (int i = joint.open_count; i < joint.count && !found; ++i) {
+            const std::vector<int> faces = faces_of_part(block, way, joint, i);
+            for (int f : faces) {
+                is_marked_[f] = 1;
+            }
+            const auto is_outside = [this](int face) { return face < 0 || is_marked_[face] == 0; };
+            found = bowtie_finder_.has_bowtie(faces, 0, faces.size(), [&](int face, int corner) {
+                return is_outside(patchwork_.neighbor(face, corner)) +
+                    is_outside(patchwork_.neighbor(face, previous_corner(corner)));
+            });
+            for (int f : faces) {
+                is_marked_[f] = 0;
+            }
+        }
+        return found;
+    }
+
+    /// The faces of a part of a block; `way` need not be in its list yet.
+    std::vector<int>
+    faces_of_part(const Block& block, const Way& way, const Joint& joint, int part) const {
+        struct Step {
+            int block;
+            int way;
+            int part;
+        };
+        std::vector<Step> steps;
+        const auto add_origins =
+            [&](const Block& whole, const Way& its, const Joint& of, int wanted) {
+                int at = 0;
+                for (const int side : {0, 1}) {
+                    const int count = blocks_[whole.of[side]].ways[its.of[side]].part_count;
+                    for (int i = 0; i < count; ++i) {
+                        if (of.part[at++] == wanted) {
+                            steps.push_back({whole.of[side], its.of[side], i});
+                        }
+                    }
+                }
+            };
+        add_origins(block, way, joint, part);
+        std::vector<int> faces;
+        while (!steps.empty()) {
+            const Step step = steps.back();
+            steps.pop_back();
+            const Block& inner = blocks_[step.block];
+            if (inner.is_face()) {
+                faces.push_back(faces_[step.block]);
+            } else {
+                Joint of;
+                join_ways(inner, inner.ways[step.way], of);
+                add_origins(inner, inner.ways[step.way], of, step.part);
+            }
+        }
+        return faces;
+    }
+
+    void join_ways(const Block& block, const Way& way, Joint& joint) const {
+        join_parts(block,
+                   blocks_[block.of[0]].ways[way.of[0]],
+                   blocks_[block.of[1]].ways[way.of[1]],
+                   way.joints,
+                   joint);
+    }
+
+    /// Labels the faces of the region as one of the ways to cut the last block, which is all of it.
+    void label_faces(const Region& region, int way) {
+        for (int label : region.labels) {
+            patchwork_.load[label] = 0;
+        }
+        std::size_t used = 0;
+        struct Step {
+            int block;
+            int way;
+            std::vector<int> labels; // of its parts
+        };
+        std::vector<Step> steps = {{static_cast<int>(blocks_.size()) - 1, way, {}}};
+        while (!steps.empty()) {
+            Step step = std::move(steps.back());
+            steps.pop_back();
+            const Block& block = blocks_[step.block];
+            if (block.is_face()) {
+                patchwork_.set_label(faces_[step.block], step.labels[0]);
+                ++patchwork_.load[step.labels[0]];
+                continue;
+            }
+            const Way& its = block.ways[step.way];
+            Joint joint;
+            join_ways(block, its, joint);
+            for (int i = joint.open_count; i < joint.count; ++i) {
+                step.labels.push_back(region.labels[used++]);
+            }
+            int at = 0;
+            for (const int side : {0, 1}) {
+                Step next = {block.of[side], its.of[side], {}};
+                const int count = blocks_[next.block].ways[next.way].part_count;
+                for (int i = 0; i < count; ++i) {
+                    next.labels.push_back(step.labels[joint.part[at++]]);
+                }
+                steps.push_back(std::move(next));
+            }
+        }
+    }
+
+    Patchwork& patchwork_;
+    std::int64_t& work_left_;
+    const Deadline* const deadline_;
+    const Progress& progress_;
+    const EvenLoads even_;
+    BowtieFinder bowtie_finder_;
+    /// For each face of the patchwork its number in the region, while blocks are made; else -1.
+    std::vector<int> number_;
+    std::vector<std::uint8_t> is_marked_;
+    std::vector<std::vector<int>> faces_of_;
+    /// The faces of the region, the blocks, and for each block one that it is in, or itself.
+    std::vector<int> faces_;
+    std::vector<Block> blocks_;
+    std::vector<int> parent_;
+    /// Two blocks that may be joined: the outer edges of both together, less the more of them lead
+    /// to blocks that touch both, their faces, a random number, and which they are.
+    using Offer = std::tuple<int, int, int, std::uint64_t, int, int>;
+    std::priority_queue<Offer, std::vector<Offer>, std::greater<>> offers_;
+    /// Sub-meshes of the region with one face more than the others.
+    int most_large_ = 0;
+    int tries_of_all_ = 0;
+    std::int64_t unreported_work_ = 0;
+    Random random_{0x6e6172726f77ULL};
+};
+
+} // namespace
+
+bool cut_narrow_regions(Patchwork& patchwork,
+                        std::int64_t& work_left,
+                        const Deadline* deadline,
+                        const Progress& progress) {
+    return even_loads(patchwork).ceiling <= kLargestSubmesh &&
+        NarrowCut(patchwork, work_left, deadline, progress).run();
+}
+
+} // namespace spheroseg
