@@ -76,7 +76,9 @@ bool BalanceSearch::search() {
         AnnealControl control;
         control.progress = progress_;
         anneal(patchwork_, schedule, control);
-        balanced = pass_or_recut(TreeTurns::often_along_walls);
+        balanced = pass_or_recut(TreeTurns::often_along_walls) ||
+            (!spheroseg::is_hopeless(patchwork_) &&
+             cut_narrow_regions(patchwork_, narrow_work_left_, &deadline_, progress_));
     }
     return balanced;
 }
@@ -90,9 +92,7 @@ bool BalanceSearch::pass_or_recut(TreeTurns turns) {
 }
 
 bool BalanceSearch::recut(TreeTurns turns) {
-    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_) ||
-        (!spheroseg::is_hopeless(patchwork_) &&
-         cut_narrow_regions(patchwork_, narrow_work_left_, &deadline_, progress_));
+    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_);
 }
 
 } // namespace spheroseg

@@ -32,12 +32,12 @@ public:
     /// large: there the boundaries that recuts make would be long. Slow; ends early when `limit`
     /// has expired.
     void pass_branches(const Deadline& limit);
-    /// balance_exactly and the two kinds of cuts, with limits: beyond them another start takes less
+    /// balance_exactly and recut_to_balance, with limits: beyond them another start takes less
     /// time.
     bool balance_initial_labels();
-    /// balance_exactly, recut_to_balance and cut_narrow_regions, several times; in between,
-    /// boundaries are annealed with a strong pull towards balance. From the second time on recuts
-    /// also follow walls.
+    /// balance_exactly and recut_to_balance, several times; in between, boundaries are annealed
+    /// with a strong pull towards balance. From the second time on recuts also follow walls, and
+    /// cut_narrow_regions comes after them.
     bool search();
     /// Did `search` leave so many sub-meshes out of balance that only another kind of start is
     /// worth a try?

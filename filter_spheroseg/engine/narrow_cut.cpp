@@ -18,12 +18,15 @@ namespace spheroseg {
 namespace {
 
 constexpr int kMostEdges = 12;
-constexpr int kLargestSubmesh = 20;
+constexpr int kLargestSubmesh = 64;
 /// Of a region: the lists take about 3 kB per face.
 constexpr std::size_t kMostFaces = 1 << 16;
-/// Ways that a list holds, and pairs of ways that are looked at for each of them.
+/// Ways that a list holds, and pairs of ways that are looked at for each of them. Where there are
+/// more pairs, one in so many is drawn from all, the others from those in which the parts at the
+/// first edge between the two blocks make a complete sub-mesh together, which are few.
 constexpr int kMostWays = 1000;
 constexpr int kPairsPerWay = 40;
+constexpr std::uint64_t kAnyPairOneOf = 4;
 /// The parts of two blocks are joined across each set of the edges between these; where there are
 /// more than this, across as many sets drawn by chance.
 constexpr int kMostEdgesJoinedInAllWays = 5;
@@ -318,6 +321,7 @@ private:
         const bool tries_all = edges <= kMostEdgesJoinedInAllWays;
         const double share = most_large_ * static_cast<double>(block.face_count) /
             static_cast<double>(faces_.size());
+        const std::vector<std::vector<int>> by_size = ways_by_size(second, block.inner[0][1]);
         std::unordered_set<std::uint64_t> keys;
         Joint joint;
         std::uint64_t i = 0;
@@ -327,6 +331,14 @@ private:
             way.of = {static_cast<int>(pair / second.size()),
                       static_cast<int>(pair % second.size())};
             const Way& a = first[way.of[0]];
+            if (pairs > most_pairs && i % kAnyPairOneOf != 0) {
+                const std::vector<int>& matches =
+                    by_size[completion_of(a.size[a.part[block.inner[0][0]]])];
+                if (matches.empty()) {
+                    continue;
+                }
+                way.of[1] = matches[random_.below(static_cast<std::uint32_t>(matches.size()))];
+            }
             const Way& b = second[way.of[1]];
             for (std::uint32_t j = 0; j < 1U << std::min(edges, kMostEdgesJoinedInAllWays); ++j) {
                 way.joints = tries_all ? j : random_.below(1U << edges);
@@ -344,6 +356,23 @@ private:
             }
         }
         count_work(static_cast<std::int64_t>(i));
+    }
+
+    /// For each size the ways in which the part at an outer edge has it.
+    std::vector<std::vector<int>> ways_by_size(const std::vector<Way>& ways, int edge) const {
+        std::vector<std::vector<int>> by_size(even_.ceiling + 1);
+        for (int i = 0; i < static_cast<int>(ways.size()); ++i) {
+            by_size[ways[i].size[ways[i].part[edge]]].push_back(i);
+        }
+        return by_size;
+    }
+
+    /// The size of a part that makes a complete sub-mesh with one of `size` faces; that of another
+    /// complete one where this is complete already. Where there are two such sizes, any of them.
+    int completion_of(int size) {
+        const int complete =
+            even_.floor + static_cast<int>(random_.below(even_.ceiling - even_.floor + 1));
+        return size < complete ? complete - size : complete;
     }
 
     void count_work(std::int64_t pairs) {

@@ -21,7 +21,7 @@ namespace spheroseg {
 /// not be too large, and where no outer edge leads to it, not too small and without bowties. From
 /// long lists some ways are drawn by chance, so that a cut may be missed.
 ///
-/// Only for sub-meshes of at most 20 faces, beyond which the lists get too long, and for regions of
+/// Only for sub-meshes of at most 64 faces, beyond which the lists get too long, and for regions of
 /// at most 65,536 faces whose blocks have at most 12 outer edges; does nothing elsewhere.
 ///
 /// All sub-meshes must be connected and free of bowties, and stay so; no load gets farther from

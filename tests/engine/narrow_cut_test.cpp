@@ -73,7 +73,7 @@ TEST(NarrowCut, FindsACutOfATreeWhereThereIsOne) {
 
 TEST(NarrowCut, DoesNothingWithLargeSubmeshesOrWithoutWork) {
     const Levels levels(evenly_stacked(1000));
-    for (const auto& [submesh_count, work] : {std::pair{10, kMuchWork}, {200, std::int64_t{0}}}) {
+    for (const auto& [submesh_count, work] : {std::pair{5, kMuchWork}, {200, std::int64_t{0}}}) {
         Patchwork patchwork = rough_patchwork(levels, submesh_count, 1);
         ASSERT_GT(imbalance(patchwork), 0);
         const std::vector<int> before = cell_labels(patchwork);
@@ -104,7 +104,7 @@ TEST(NarrowCut, BalancesEvenlyStackedTriangulations) {
     const int face_count = levels.mesh.face_count();
     int balanced_count = 0;
     for (std::uint64_t seed = 0; seed < 2; ++seed) {
-        for (int faces_each : {2, 3, 5, 7, 10}) {
+        for (int faces_each : {2, 3, 5, 7, 10, 30}) {
             Patchwork patchwork = rough_patchwork(levels, face_count / faces_each, seed);
             std::int64_t work_left = kMuchWork;
             const bool balanced = cut_narrow_regions(patchwork, work_left);
@@ -115,7 +115,7 @@ TEST(NarrowCut, BalancesEvenlyStackedTriangulations) {
             balanced_count += balanced;
         }
     }
-    EXPECT_GE(balanced_count, 9); // of 10, in one go from rough starts
+    EXPECT_GE(balanced_count, 11); // of 12, in one go from rough starts
 }
 
 } // namespace
