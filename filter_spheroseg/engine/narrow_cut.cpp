@@ -18,7 +18,7 @@ namespace spheroseg {
 namespace {
 
 constexpr int kMostEdges = 12;
-constexpr int kLargestSubmesh = 64;
+constexpr int kLargestSubmesh = 250; // below 256, which Way::size holds
 /// Of a region: the lists take about 3 kB per face.
 constexpr std::size_t kMostFaces = 1 << 16;
 /// Ways that a list holds, and pairs of ways that are looked at for each of them. Where there are

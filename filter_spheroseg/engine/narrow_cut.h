@@ -21,8 +21,8 @@ namespace spheroseg {
 /// not be too large, and where no outer edge leads to it, not too small and without bowties. From
 /// long lists some ways are drawn by chance, so that a cut may be missed.
 ///
-/// Only for sub-meshes of at most 64 faces, beyond which the lists get too long, and for regions of
-/// at most 65,536 faces whose blocks have at most 12 outer edges; does nothing elsewhere.
+/// Only for sub-meshes of at most 250 faces, beyond which the lists are too short, and for regions
+/// of at most 65,536 faces whose blocks have at most 12 outer edges; does nothing elsewhere.
 ///
 /// All sub-meshes must be connected and free of bowties, and stay so; no load gets farther from
 /// balance. Takes what it does off `work_left`, in pairs of ways that were looked at, and ends when
