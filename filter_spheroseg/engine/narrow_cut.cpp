@@ -3,6 +3,7 @@
 
 #include "bowtie_finder.h"
 #include "random.h"
+#include "submesh_faces.h"
 
 #include <algorithm>
 #include <array>
@@ -38,7 +39,7 @@ constexpr double kOffShare = 1;
 /// many. All faces are cut so many times in vain, then it ends.
 constexpr std::size_t kFirstRegion = 8;
 constexpr int kTriesOfAll = 2;
-/// What making the blocks of a region takes, in pairs of ways for each face.
+/// What a region and its blocks take, in pairs of ways for each face.
 constexpr std::int64_t kWorkPerFace = 100;
 constexpr std::int64_t kWorkPerReport = 10000;
 
@@ -99,11 +100,7 @@ public:
         : patchwork_(patchwork), work_left_(work_left), deadline_(deadline), progress_(progress),
           even_(even_loads(patchwork)), bowtie_finder_(patchwork),
           number_(patchwork.face_count(), -1), is_marked_(patchwork.face_count(), 0),
-          faces_of_(patchwork.submesh_count()) {
-        for (int f = 0; f < patchwork.face_count(); ++f) {
-            faces_of_[patchwork.label(f)].push_back(f);
-        }
-    }
+          faces_of_(patchwork) {}
 
     bool run() {
         bool balanced = true;
@@ -123,17 +120,13 @@ private:
     bool cut_around(int label) {
         for (std::size_t least = kFirstRegion; may_go_on();) {
             const Region region = region_around(label, least);
-            if (cut(region)) {
-                for (int l : region.labels) {
-                    faces_of_[l].clear();
-                }
-                for (int f : region.faces) {
-                    faces_of_[patchwork_.label(f)].push_back(f);
-                }
-                return true;
-            }
+            work_left_ -= kWorkPerFace * static_cast<std::int64_t>(region.faces.size());
             if (region.faces.size() > kMostFaces) {
                 return false;
+            }
+            if (cut(region)) {
+                faces_of_.update(region);
+                return true;
             }
             tries_of_all_ +=
                 region.labels.size() < least || region.faces.size() == patchwork_.cells.size();
@@ -143,19 +136,17 @@ private:
     }
 
     /// The sub-meshes nearest to one, at least so many and as many as it takes to share their faces
-    /// out evenly; where that can not be done, all of the component.
+    /// out evenly; where that can not be done, all of the component, or more than kMostFaces.
     Region region_around(int label, std::size_t least) const {
         Region region;
         std::vector<int> queue(1, label);
         std::vector<std::uint8_t> is_met(patchwork_.submesh_count(), 0);
         is_met[label] = 1;
-        for (std::size_t head = 0;
-             head < queue.size() && (region.labels.size() < least || !can_be_even(region));
+        for (std::size_t head = 0; head < queue.size() && region.faces.size() <= kMostFaces &&
+             (region.labels.size() < least || !can_be_even(region));
              ++head) {
-            const std::vector<int>& faces = faces_of_[queue[head]];
-            region.labels.push_back(queue[head]);
-            region.faces.insert(region.faces.end(), faces.begin(), faces.end());
-            for (int f : faces) {
+            faces_of_.add_to(region, queue[head]);
+            for (int f : faces_of_[queue[head]]) {
                 for (int neighbor : patchwork_.neighbors(f)) {
                     if (neighbor >= 0 && is_met[patchwork_.label(neighbor)] == 0) {
                         is_met[patchwork_.label(neighbor)] = 1;
@@ -175,7 +166,7 @@ private:
 
     /// When it fails all labels are as they were.
     bool cut(const Region& region) {
-        if (region.faces.size() > kMostFaces || !can_be_even(region) || !make_blocks(region)) {
+        if (!can_be_even(region) || !make_blocks(region)) {
             return false;
         }
         most_large_ = static_cast<int>(region.faces.size()) -
@@ -203,7 +194,6 @@ private:
     /// faces are not connected.
     bool make_blocks(const Region& region) {
         const auto face_count = static_cast<int>(region.faces.size());
-        work_left_ -= kWorkPerFace * face_count;
         faces_ = region.faces;
         for (int i = 0; i < face_count; ++i) {
             number_[faces_[i]] = i;
@@ -321,7 +311,10 @@ private:
         const bool tries_all = edges <= kMostEdgesJoinedInAllWays;
         const double share = most_large_ * static_cast<double>(block.face_count) /
             static_cast<double>(faces_.size());
-        const std::vector<std::vector<int>> by_size = ways_by_size(second, block.inner[0][1]);
+        const bool draws_matches = pairs > most_pairs;
+        const std::vector<std::vector<int>> by_size = draws_matches
+            ? ways_by_size(second, block.inner[0][1])
+            : std::vector<std::vector<int>>();
         std::unordered_set<std::uint64_t> keys;
         Joint joint;
         std::uint64_t i = 0;
@@ -331,7 +324,7 @@ private:
             way.of = {static_cast<int>(pair / second.size()),
                       static_cast<int>(pair % second.size())};
             const Way& a = first[way.of[0]];
-            if (pairs > most_pairs && i % kAnyPairOneOf != 0) {
+            if (draws_matches && i % kAnyPairOneOf != 0) {
                 const std::vector<int>& matches =
                     by_size[completion_of(a.size[a.part[block.inner[0][0]]])];
                 if (matches.empty()) {
@@ -346,11 +339,14 @@ private:
                     continue;
                 }
                 describe(block, a, b, joint, way);
-                if (way.large_count <= most_large_ &&
-                    (tries_of_all_ == kTriesOfAll - 1 ||
-                     std::abs(way.large_count - share) <= kOffShare) &&
-                    keys.count(key_of(block, way)) == 0 && !completes_bowtie(block, way, joint)) {
-                    keys.insert(key_of(block, way));
+                if (way.large_count > most_large_ ||
+                    (tries_of_all_ < kTriesOfAll - 1 &&
+                     std::abs(way.large_count - share) > kOffShare)) {
+                    continue;
+                }
+                const std::uint64_t key = key_of(block, way);
+                if (keys.count(key) == 0 && !completes_bowtie(block, way, joint)) {
+                    keys.insert(key);
                     block.ways.push_back(way);
                 }
             }
@@ -384,6 +380,11 @@ private:
         }
     }
 
+    /// The part at an outer edge of the first or second block, in the order of Joint::part.
+    static int part_at(int side, int edge, const Way& a, const Way& b) {
+        return side == 0 ? a.part[edge] : a.part_count + b.part[edge];
+    }
+
     /// False when a part gets too large, or has no outer edge and is too small.
     bool join_parts(
         const Block& block, const Way& a, const Way& b, std::uint32_t joints, Joint& joint) const {
@@ -404,8 +405,8 @@ private:
         };
         for (std::size_t e = 0; e < block.inner.size(); ++e) {
             if ((joints >> e & 1) != 0) {
-                const int x = root_of(a.part[block.inner[e][0]]);
-                const int y = root_of(a.part_count + b.part[block.inner[e][1]]);
+                const int x = root_of(part_at(0, block.inner[e][0], a, b));
+                const int y = root_of(part_at(1, block.inner[e][1], a, b));
                 if (x != y) {
                     root[y] = x;
                     size[x] += size[y];
@@ -425,7 +426,7 @@ private:
             return name[r];
         };
         for (const auto& [side, edge] : block.origin) {
-            name_of(side == 0 ? a.part[edge] : a.part_count + b.part[edge]);
+            name_of(part_at(side, edge, a, b));
         }
         joint.open_count = joint.count;
         for (int i = 0; i < count; ++i) {
@@ -450,8 +451,7 @@ private:
         }
         for (std::size_t e = 0; e < block.origin.size(); ++e) {
             const auto [side, edge] = block.origin[e];
-            way.part[e] = static_cast<std::uint8_t>(
-                joint.part[side == 0 ? a.part[edge] : a.part_count + b.part[edge]]);
+            way.part[e] = static_cast<std::uint8_t>(joint.part[part_at(side, edge, a, b)]);
         }
     }
 
@@ -578,7 +578,7 @@ private:
     /// For each face of the patchwork its number in the region, while blocks are made; else -1.
     std::vector<int> number_;
     std::vector<std::uint8_t> is_marked_;
-    std::vector<std::vector<int>> faces_of_;
+    SubmeshFaces faces_of_;
     /// The faces of the region, the blocks, and for each block one that it is in, or itself.
     std::vector<int> faces_;
     std::vector<Block> blocks_;

@@ -2,6 +2,7 @@
 #include "recut.h"
 
 #include "exact_cut.h"
+#include "submesh_faces.h"
 #include "threads.h"
 
 #include <algorithm>
@@ -51,13 +52,8 @@ public:
           const Deadline* deadline,
           const Progress& progress)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
-          even_(even_loads(patchwork)), tree_cut_(patchwork, turns),
-          faces_of_(patchwork.submesh_count()), unmeasured_faces_(patchwork.face_count()),
-          is_listed_(patchwork.submesh_count(), 0) {
-        for (int f = 0; f < patchwork.face_count(); ++f) {
-            faces_of_[patchwork.label(f)].push_back(f);
-        }
-    }
+          even_(even_loads(patchwork)), tree_cut_(patchwork, turns), faces_of_(patchwork),
+          unmeasured_faces_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {}
 
     bool run() {
         for (int l = 0; l < patchwork_.submesh_count(); ++l) {
@@ -213,9 +209,7 @@ private:
     /// False when there is none (-1).
     bool add(Region& region, int label) {
         if (label >= 0) {
-            region.labels.push_back(label);
-            region.faces.insert(
-                region.faces.end(), faces_of_[label].begin(), faces_of_[label].end());
+            faces_of_.add_to(region, label);
         }
         return label >= 0;
     }
@@ -254,12 +248,9 @@ private:
             }
             return false;
         }
+        faces_of_.update(region);
         for (int label : region.labels) {
-            faces_of_[label].clear();
             list_if_off(label);
-        }
-        for (int f : region.faces) {
-            faces_of_[patchwork_.label(f)].push_back(f);
         }
         if (deviation(region.labels) < before) {
             idle_cuts_ = 0;
@@ -372,7 +363,7 @@ private:
     const Progress& progress_;
     const EvenLoads even_;
     TreeCut tree_cut_;
-    std::vector<std::vector<int>> faces_of_;
+    SubmeshFaces faces_of_;
     std::vector<int> distance_[2];
     std::vector<int> face_distance_[2];
     /// Does the walk?
