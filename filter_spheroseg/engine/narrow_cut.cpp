@@ -2,6 +2,7 @@
 #include "narrow_cut.h"
 
 #include "bowtie_finder.h"
+#include "branch_decomposition.h"
 #include "random.h"
 #include "submesh_faces.h"
 
@@ -9,8 +10,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <queue>
-#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -68,29 +67,6 @@ struct Joint {
     int count = 0;
 };
 
-/// Connected faces of the region. Faces are numbered in its order; blocks [0, faces) are single
-/// faces.
-struct Block {
-    struct Edge {
-        int inside;
-        int outside;
-    };
-    struct Origin {
-        int side;
-        int edge;
-    };
-    std::array<int, 2> of = {-1, -1};
-    int face_count = 1;
-    std::vector<Edge> outer;
-    /// Of which of the two blocks an outer edge is, and which of its outer edges.
-    std::vector<Origin> origin;
-    /// The edges between the two: which outer edges of theirs.
-    std::vector<std::array<int, 2>> inner;
-    std::vector<Way> ways;
-
-    bool is_face() const { return of[0] < 0; }
-};
-
 class NarrowCut {
 public:
     NarrowCut(Patchwork& patchwork,
@@ -99,8 +75,7 @@ public:
               const Progress& progress)
         : patchwork_(patchwork), work_left_(work_left), deadline_(deadline), progress_(progress),
           even_(even_loads(patchwork)), bowtie_finder_(patchwork),
-          number_(patchwork.face_count(), -1), is_marked_(patchwork.face_count(), 0),
-          faces_of_(patchwork) {}
+          is_marked_(patchwork.face_count(), 0), faces_of_(patchwork) {}
 
     bool run() {
         bool balanced = true;
@@ -166,18 +141,26 @@ private:
 
     /// When it fails all labels are as they were.
     bool cut(const Region& region) {
-        if (!can_be_even(region) || !make_blocks(region)) {
+        if (!can_be_even(region)) {
             return false;
         }
-        most_large_ = static_cast<int>(region.faces.size()) -
-            even_.floor * static_cast<int>(region.labels.size());
-        for (std::size_t b = region.faces.size(); b < blocks_.size(); ++b) {
-            list_ways(blocks_[b]);
-            if (blocks_[b].ways.empty() || !may_go_on()) {
+        faces_ = region.faces;
+        blocks_ = branch_decomposition(patchwork_, faces_, kMostEdges, random_);
+        if (blocks_.empty()) {
+            return false;
+        }
+        most_large_ =
+            static_cast<int>(faces_.size()) - even_.floor * static_cast<int>(region.labels.size());
+        Way whole_face;
+        whole_face.size[0] = 1;
+        ways_.assign(faces_.size(), std::vector<Way>(1, whole_face));
+        for (std::size_t b = faces_.size(); b < blocks_.size(); ++b) {
+            ways_.push_back(list_ways(blocks_[b]));
+            if (ways_.back().empty() || !may_go_on()) {
                 return false;
             }
         }
-        const std::vector<Way>& ways = blocks_.back().ways;
+        const std::vector<Way>& ways = ways_.back();
         const auto found = std::find_if(ways.begin(), ways.end(), [this](const Way& way) {
             return way.large_count == most_large_;
         });
@@ -188,117 +171,10 @@ private:
         return true;
     }
 
-    /// Joins faces to blocks, always the two that have the fewest outer edges together; of these
-    /// the two with the most edges to blocks that touch both, which can be joined to them next;
-    /// then those with the fewest faces. False when there would be too many outer edges, or the
-    /// faces are not connected.
-    bool make_blocks(const Region& region) {
-        const auto face_count = static_cast<int>(region.faces.size());
-        faces_ = region.faces;
-        for (int i = 0; i < face_count; ++i) {
-            number_[faces_[i]] = i;
-        }
-        blocks_.assign(face_count, Block());
-        blocks_.reserve(2 * region.faces.size());
-        for (int i = 0; i < face_count; ++i) {
-            for (int neighbor : patchwork_.neighbors(faces_[i])) {
-                if (neighbor >= 0 && number_[neighbor] >= 0) {
-                    blocks_[i].outer.push_back({i, number_[neighbor]});
-                }
-            }
-            Way whole;
-            whole.size[0] = 1;
-            blocks_[i].ways.push_back(whole);
-        }
-        for (int f : faces_) {
-            number_[f] = -1;
-        }
-        parent_.resize(face_count);
-        std::iota(parent_.begin(), parent_.end(), 0);
-        offers_ = {};
-        for (int i = 0; i < face_count; ++i) {
-            offer_neighbors(i);
-        }
-        while (!offers_.empty() && std::get<0>(offers_.top()) <= kMostEdges) {
-            const int first = std::get<4>(offers_.top());
-            const int second = std::get<5>(offers_.top());
-            offers_.pop();
-            if (parent_[first] == first && parent_[second] == second) {
-                join(first, second);
-                offer_neighbors(static_cast<int>(blocks_.size()) - 1);
-            }
-        }
-        return blocks_.back().face_count == face_count;
-    }
-
-    /// The largest block so far that a block is in.
-    int whole_of(int block) {
-        while (parent_[block] != block) {
-            parent_[block] = parent_[parent_[block]];
-            block = parent_[block];
-        }
-        return block;
-    }
-
-    /// Offers to join a block to each one beside it.
-    void offer_neighbors(int block) {
-        std::vector<int> others;
-        for (const Block::Edge& edge : blocks_[block].outer) {
-            others.push_back(whole_of(edge.outside));
-        }
-        std::sort(others.begin(), others.end());
-        for (auto begin = others.begin(); begin != others.end();) {
-            const auto end = std::upper_bound(begin, others.end(), *begin);
-            const Block& other = blocks_[*begin];
-            const auto outer = static_cast<int>(blocks_[block].outer.size() + other.outer.size()) -
-                2 * static_cast<int>(end - begin);
-            int apart = 0;
-            for (const Block::Edge& edge : other.outer) {
-                const int third = whole_of(edge.outside);
-                apart -= third != block && std::binary_search(others.begin(), others.end(), third);
-            }
-            offers_.emplace(outer,
-                            apart,
-                            blocks_[block].face_count + other.face_count,
-                            random_.next(),
-                            block,
-                            *begin);
-            begin = end;
-        }
-    }
-
-    void join(int first, int second) {
-        const auto name = static_cast<int>(blocks_.size());
-        Block block;
-        block.of = {first, second};
-        block.face_count = blocks_[first].face_count + blocks_[second].face_count;
-        for (const int side : {0, 1}) {
-            const std::vector<Block::Edge>& edges = blocks_[block.of[side]].outer;
-            const std::vector<Block::Edge>& others = blocks_[block.of[1 - side]].outer;
-            for (int e = 0; e < static_cast<int>(edges.size()); ++e) {
-                const Block::Edge edge = edges[e];
-                if (whole_of(edge.outside) != block.of[1 - side]) {
-                    block.outer.push_back(edge);
-                    block.origin.push_back({side, e});
-                } else if (side == 0) {
-                    const auto same =
-                        std::find_if(others.begin(), others.end(), [&](const Block::Edge& other) {
-                            return other.inside == edge.outside && other.outside == edge.inside;
-                        });
-                    block.inner.push_back({e, static_cast<int>(same - others.begin())});
-                }
-            }
-        }
-        blocks_.push_back(std::move(block));
-        parent_.push_back(name);
-        parent_[first] = name;
-        parent_[second] = name;
-    }
-
     /// Lists ways to cut a block, no two of them alike at its outer edges.
-    void list_ways(Block& block) {
-        const std::vector<Way>& first = blocks_[block.of[0]].ways;
-        const std::vector<Way>& second = blocks_[block.of[1]].ways;
+    std::vector<Way> list_ways(const FaceBlock& block) {
+        const std::vector<Way>& first = ways_[block.of[0]];
+        const std::vector<Way>& second = ways_[block.of[1]];
         const auto pairs = static_cast<std::uint64_t>(first.size() * second.size());
         const std::uint64_t most_pairs = std::min<std::uint64_t>(pairs, kPairsPerWay * kMostWays);
         // All pairs in a random order, or the first ones of it.
@@ -315,10 +191,11 @@ private:
         const std::vector<std::vector<int>> by_size = draws_matches
             ? ways_by_size(second, block.inner[0][1])
             : std::vector<std::vector<int>>();
+        std::vector<Way> ways;
         std::unordered_set<std::uint64_t> keys;
         Joint joint;
         std::uint64_t i = 0;
-        for (; i < most_pairs && block.ways.size() < kMostWays; ++i) {
+        for (; i < most_pairs && ways.size() < kMostWays; ++i) {
             const std::uint64_t pair = (start + i * stride) % pairs;
             Way way;
             way.of = {static_cast<int>(pair / second.size()),
@@ -347,11 +224,12 @@ private:
                 const std::uint64_t key = key_of(block, way);
                 if (keys.count(key) == 0 && !completes_bowtie(block, way, joint)) {
                     keys.insert(key);
-                    block.ways.push_back(way);
+                    ways.push_back(way);
                 }
             }
         }
         count_work(static_cast<std::int64_t>(i));
+        return ways;
     }
 
     /// For each size the ways in which the part at an outer edge has it.
@@ -386,8 +264,11 @@ private:
     }
 
     /// False when a part gets too large, or has no outer edge and is too small.
-    bool join_parts(
-        const Block& block, const Way& a, const Way& b, std::uint32_t joints, Joint& joint) const {
+    bool join_parts(const FaceBlock& block,
+                    const Way& a,
+                    const Way& b,
+                    std::uint32_t joints,
+                    Joint& joint) const {
         std::array<int, 2 * kMostEdges> root;
         std::array<int, 2 * kMostEdges> size;
         std::array<int, 2 * kMostEdges> name;
@@ -439,8 +320,8 @@ private:
     }
 
     /// What a way is like at the outer edges of its block, and how many large sub-meshes it has.
-    void
-    describe(const Block& block, const Way& a, const Way& b, const Joint& joint, Way& way) const {
+    void describe(
+        const FaceBlock& block, const Way& a, const Way& b, const Joint& joint, Way& way) const {
         way.large_count = a.large_count + b.large_count;
         for (int i = joint.open_count; i < joint.count; ++i) {
             way.large_count += joint.size[i] > even_.floor;
@@ -456,7 +337,7 @@ private:
     }
 
     /// Equal for ways that are alike at the outer edges, and hardly ever for others.
-    static std::uint64_t key_of(const Block& block, const Way& way) {
+    static std::uint64_t key_of(const FaceBlock& block, const Way& way) {
         std::uint64_t key = Random(static_cast<std::uint64_t>(way.large_count)).next();
         const auto add = [&key](std::uint8_t value) { key = Random(key + value).next(); };
         std::for_each(way.part.begin(), way.part.begin() + block.outer.size(), add);
@@ -465,7 +346,7 @@ private:
     }
 
     /// Has one of the sub-meshes that the joint completes a bowtie?
-    bool completes_bowtie(const Block& block, const Way& way, const Joint& joint) {
+    bool completes_bowtie(const FaceBlock& block, const Way& way, const Joint& joint) {
         bool found = false;
         for (int i = joint.open_count; i < joint.count && !found; ++i) {
             const std::vector<int> faces = faces_of_part(block, way, joint, i);
@@ -486,7 +367,7 @@ private:
 
     /// The faces of a part of a block; `way` need not be in its list yet.
     std::vector<int>
-    faces_of_part(const Block& block, const Way& way, const Joint& joint, int part) const {
+    faces_of_part(const FaceBlock& block, const Way& way, const Joint& joint, int part) const {
         struct Step {
             int block;
             int way;
@@ -494,10 +375,10 @@ private:
         };
         std::vector<Step> steps;
         const auto add_origins =
-            [&](const Block& whole, const Way& its, const Joint& of, int wanted) {
+            [&](const FaceBlock& whole, const Way& its, const Joint& of, int wanted) {
                 int at = 0;
                 for (const int side : {0, 1}) {
-                    const int count = blocks_[whole.of[side]].ways[its.of[side]].part_count;
+                    const int count = ways_[whole.of[side]][its.of[side]].part_count;
                     for (int i = 0; i < count; ++i) {
                         if (of.part[at++] == wanted) {
                             steps.push_back({whole.of[side], its.of[side], i});
@@ -510,24 +391,22 @@ private:
         while (!steps.empty()) {
             const Step step = steps.back();
             steps.pop_back();
-            const Block& inner = blocks_[step.block];
+            const FaceBlock& inner = blocks_[step.block];
             if (inner.is_face()) {
                 faces.push_back(faces_[step.block]);
             } else {
                 Joint of;
-                join_ways(inner, inner.ways[step.way], of);
-                add_origins(inner, inner.ways[step.way], of, step.part);
+                const Way& its = ways_[step.block][step.way];
+                join_ways(inner, its, of);
+                add_origins(inner, its, of, step.part);
             }
         }
         return faces;
     }
 
-    void join_ways(const Block& block, const Way& way, Joint& joint) const {
-        join_parts(block,
-                   blocks_[block.of[0]].ways[way.of[0]],
-                   blocks_[block.of[1]].ways[way.of[1]],
-                   way.joints,
-                   joint);
+    void join_ways(const FaceBlock& block, const Way& way, Joint& joint) const {
+        join_parts(
+            block, ways_[block.of[0]][way.of[0]], ways_[block.of[1]][way.of[1]], way.joints, joint);
     }
 
     /// Labels the faces of the region as one of the ways to cut the last block, which is all of it.
@@ -545,13 +424,13 @@ private:
         while (!steps.empty()) {
             Step step = std::move(steps.back());
             steps.pop_back();
-            const Block& block = blocks_[step.block];
+            const FaceBlock& block = blocks_[step.block];
             if (block.is_face()) {
                 patchwork_.set_label(faces_[step.block], step.labels[0]);
                 ++patchwork_.load[step.labels[0]];
                 continue;
             }
-            const Way& its = block.ways[step.way];
+            const Way& its = ways_[step.block][step.way];
             Joint joint;
             join_ways(block, its, joint);
             for (int i = joint.open_count; i < joint.count; ++i) {
@@ -560,7 +439,7 @@ private:
             int at = 0;
             for (const int side : {0, 1}) {
                 Step next = {block.of[side], its.of[side], {}};
-                const int count = blocks_[next.block].ways[next.way].part_count;
+                const int count = ways_[next.block][next.way].part_count;
                 for (int i = 0; i < count; ++i) {
                     next.labels.push_back(step.labels[joint.part[at++]]);
                 }
@@ -575,18 +454,12 @@ private:
     const Progress& progress_;
     const EvenLoads even_;
     BowtieFinder bowtie_finder_;
-    /// For each face of the patchwork its number in the region, while blocks are made; else -1.
-    std::vector<int> number_;
     std::vector<std::uint8_t> is_marked_;
     SubmeshFaces faces_of_;
-    /// The faces of the region, the blocks, and for each block one that it is in, or itself.
+    /// The faces of the region, its blocks, and the ways to cut each of these, as listed so far.
     std::vector<int> faces_;
-    std::vector<Block> blocks_;
-    std::vector<int> parent_;
-    /// Two blocks that may be joined: the outer edges of both together, less the more of them lead
-    /// to blocks that touch both, their faces, a random number, and which they are.
-    using Offer = std::tuple<int, int, int, std::uint64_t, int, int>;
-    std::priority_queue<Offer, std::vector<Offer>, std::greater<>> offers_;
+    std::vector<FaceBlock> blocks_;
+    std::vector<std::vector<Way>> ways_;
     /// Sub-meshes of the region with one face more than the others.
     int most_large_ = 0;
     int tries_of_all_ = 0;
