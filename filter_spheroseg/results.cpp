@@ -112,10 +112,13 @@ std::string shortcomings(const Segmentation& segmentation) {
     const int best = segmentation.best_max_triangle_count_difference;
     add(segmentation.balance == Balance::triangle_count && difference > 1,
         difference,
-        difference > best
+        difference <= best
+            ? " triangles between the largest and the smallest sub-mesh, the fewest that its "
+              "components allow"
+            : segmentation.may_be_balanced
             ? " triangles between the largest and the smallest sub-mesh"
-            : " triangles between the largest and the smallest sub-mesh, the fewest that its "
-              "components allow");
+            : " triangles between the largest and the smallest sub-mesh: no cut into so many "
+              "connected ones is balanced, as parts of the mesh hang on the rest by single edges");
     add(measures.disconnected_submesh_count > 0,
         measures.disconnected_submesh_count,
         " sub-meshes in more than one piece");

@@ -30,12 +30,12 @@ public:
           chains_(patchwork, boundaries_, even_) {}
 
     bool run() {
-        std::int64_t now = imbalance();
+        std::int64_t now = misplaced(patchwork_);
         // Does a round take off at least one of `parts` parts of what is off?
         const auto pays = [&](auto round, int parts) {
             const std::int64_t before = now;
             round();
-            now = imbalance();
+            now = misplaced(patchwork_);
             return parts * (before - now) >= before;
         };
         while (now > 0 && !is_over_ && pays([this] { follow_paths(); }, 2)) {
@@ -83,14 +83,6 @@ private:
 
     /// Faces that a sub-mesh has too many or too few.
     int deviation(int label) const { return even_.deviation(patchwork_.load[label]); }
-
-    std::int64_t imbalance() const {
-        std::int64_t sum = 0;
-        for (int l = 0; l < patchwork_.submesh_count(); ++l) {
-            sum += deviation(l);
-        }
-        return sum;
-    }
 
     struct Arc {
         int label;

@@ -3,6 +3,7 @@
 
 #include "balance.h"
 #include "branch_annealing.h"
+#include "bridge_bound.h"
 #include "narrow_cut.h"
 #include "recut.h"
 
@@ -67,8 +68,8 @@ bool BalanceSearch::search() {
     bool balanced = pass_or_recut(TreeTurns::random);
     cuts_left_ = std::max<std::int64_t>(cuts_left_, 0) + cuts_kept;
     is_hopeless_ = spheroseg::is_hopeless(patchwork_);
-    for (int i = 0;
-         i < kTries && !balanced && !is_hopeless_ && cuts_left_ > 0 && !deadline_.expired();
+    for (int i = 0; i < kTries && !balanced && !is_least() && !is_hopeless_ && cuts_left_ > 0 &&
+         !deadline_.expired();
          ++i) {
         // With a strong pull towards balance, whatever the time limit.
         const AnnealSchedule schedule =
@@ -77,7 +78,7 @@ bool BalanceSearch::search() {
         control.progress = progress_;
         anneal(patchwork_, schedule, control);
         balanced = pass_or_recut(TreeTurns::often_along_walls) ||
-            (!spheroseg::is_hopeless(patchwork_) &&
+            (!is_least() && !spheroseg::is_hopeless(patchwork_) &&
              cut_narrow_regions(patchwork_, narrow_work_left_, &deadline_, progress_));
     }
     return balanced;
@@ -88,11 +89,22 @@ bool BalanceSearch::are_large() const {
 }
 
 bool BalanceSearch::pass_or_recut(TreeTurns turns) {
-    return balance_exactly(patchwork_, &deadline_, progress_) || recut(turns);
+    if (balance_exactly(patchwork_, &deadline_, progress_)) {
+        return true;
+    }
+    if (!least_misplaced_) {
+        least_misplaced_ = least_misplaced(patchwork_);
+    }
+    return recut(turns);
+}
+
+bool BalanceSearch::is_least() const {
+    return !is_possible() && misplaced(patchwork_) <= *least_misplaced_;
 }
 
 bool BalanceSearch::recut(TreeTurns turns) {
-    return recut_to_balance(patchwork_, cuts_left_, turns, &deadline_, progress_);
+    return recut_to_balance(
+        patchwork_, cuts_left_, turns, &deadline_, progress_, least_misplaced_.value_or(0));
 }
 
 } // namespace spheroseg

@@ -7,6 +7,7 @@
 #include "tree_cut.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace spheroseg {
 
@@ -39,6 +40,10 @@ public:
     /// with a strong pull towards balance. From the second time on recuts also follow walls, and
     /// cut_narrow_regions comes after them.
     bool search();
+    /// False where `search` found that no cut of these faces is balanced (least_misplaced).
+    bool is_possible() const { return least_misplaced_.value_or(0) == 0; }
+    /// Did it find that, and a cut with as few faces too many or too few as can be?
+    bool is_least() const;
     /// Did `search` leave so many sub-meshes out of balance that only another kind of start is
     /// worth a try?
     bool is_hopeless() const { return is_hopeless_; }
@@ -56,6 +61,8 @@ private:
     const Progress& progress_;
     std::int64_t cuts_left_;
     std::int64_t narrow_work_left_;
+    /// Once it is needed.
+    std::optional<std::int64_t> least_misplaced_;
     bool is_hopeless_ = false;
 };
 

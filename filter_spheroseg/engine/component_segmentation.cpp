@@ -244,6 +244,7 @@ private:
             result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
         }
         const std::lock_guard<std::mutex> lock(result_mutex_);
+        result_.may_be_balanced = part.may_be_balanced || components_->size() > 1;
         seconds_ += part.seconds;
         add_iterations(part.history);
     }

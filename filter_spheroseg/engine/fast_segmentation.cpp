@@ -88,8 +88,8 @@ public:
             history_ = reserve->history;
             best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
-        if (!best_->is_valid() && !by_weight() && component_.face_count() <= kMaxFacesToSearch &&
-            !search_deadline_.expired()) {
+        if (!best_->is_valid() && !is_least_ && !by_weight() &&
+            component_.face_count() <= kMaxFacesToSearch && !search_deadline_.expired()) {
             search();
         }
         result_.is_valid = best_->is_valid();
@@ -135,7 +135,7 @@ private:
 
     /// Is another start worth its time, after the start that made this patchwork?
     bool wants_more(const Patchwork& patchwork, int start) const {
-        if (is_hopeless_ && start > 0) {
+        if (is_least_ || (is_hopeless_ && start > 0)) {
             return false;
         }
         if (is_hurried_) {
@@ -432,6 +432,8 @@ private:
         extend_search();
         const bool balanced = search.search();
         is_hopeless_ = search.is_hopeless();
+        is_least_ = search.is_least();
+        result_.may_be_balanced = search.is_possible();
         return balanced;
     }
 
@@ -482,6 +484,8 @@ private:
     /// Where a balance was last searched for, so much stayed off that only another kind of start is
     /// worth a try.
     bool is_hopeless_ = false;
+    /// No cut has a balance, and none is nearer to it than what was found there.
+    bool is_least_ = false;
     /// A start was, whatever the initial labels are.
     bool any_valid_ = false;
 };

@@ -139,6 +139,15 @@ EvenLoads even_loads(const Patchwork& patchwork) {
     return {floor, floor + (patchwork.face_count() % patchwork.submesh_count() != 0)};
 }
 
+std::int64_t misplaced(const Patchwork& patchwork) {
+    const EvenLoads even = even_loads(patchwork);
+    std::int64_t sum = 0;
+    for (int load : patchwork.load) {
+        sum += even.deviation(load);
+    }
+    return sum;
+}
+
 std::vector<std::array<int, 3>> neighbor_table(const Patchwork& patchwork, int thread_count) {
     const int face_count = patchwork.face_count();
     std::vector<std::array<int, 3>> table(face_count);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 namespace spheroseg {
@@ -156,6 +157,8 @@ struct EvenLoads {
 };
 
 EvenLoads even_loads(const Patchwork& patchwork);
+/// Faces that all sub-meshes together have too many and too few.
+std::int64_t misplaced(const Patchwork& patchwork);
 
 /// The neighbours of each face; the face itself beyond open borders. What only walks over the faces
 /// reads less than half as much memory here as in the cells.

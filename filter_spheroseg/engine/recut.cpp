@@ -50,9 +50,11 @@ public:
           std::int64_t& cuts_left,
           TreeTurns turns,
           const Deadline* deadline,
-          const Progress& progress)
+          const Progress& progress,
+          std::int64_t least_misplaced)
         : patchwork_(patchwork), cuts_left_(cuts_left), deadline_(deadline), progress_(progress),
-          even_(even_loads(patchwork)), tree_cut_(patchwork, turns), faces_of_(patchwork),
+          least_misplaced_(least_misplaced), even_(even_loads(patchwork)),
+          tree_cut_(patchwork, turns), faces_of_(patchwork),
           unmeasured_faces_(patchwork.face_count()), is_listed_(patchwork.submesh_count(), 0) {}
 
     bool run() {
@@ -65,7 +67,8 @@ public:
                 measure_distances(true);
                 measure_distances(false);
             }
-            if (cuts_left_ <= 0 || idle_cuts_ > patience(round)) {
+            if (cuts_left_ <= 0 || idle_cuts_ > patience(round) ||
+                deviation(round) <= least_misplaced_) {
                 return false;
             }
             for (int label : round) {
@@ -361,6 +364,7 @@ private:
     std::int64_t& cuts_left_;
     const Deadline* const deadline_;
     const Progress& progress_;
+    const std::int64_t least_misplaced_;
     const EvenLoads even_;
     TreeCut tree_cut_;
     SubmeshFaces faces_of_;
@@ -388,8 +392,9 @@ bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       TreeTurns turns,
                       const Deadline* deadline,
-                      const Progress& progress) {
-    return Recut(patchwork, cuts_left, turns, deadline, progress).run();
+                      const Progress& progress,
+                      std::int64_t least_misplaced) {
+    return Recut(patchwork, cuts_left, turns, deadline, progress, least_misplaced).run();
 }
 
 } // namespace spheroseg

@@ -23,6 +23,10 @@ struct Segmentation {
     int component_count = 0;
     /// The least MTCD that the sizes of the components allow (1 or 0 when there is one).
     int best_max_triangle_count_difference = 0;
+    /// False where no cut of a mesh of one component into connected sub-meshes has that, as parts
+    /// hang on the rest by single edges (least_misplaced). Not found out for `all_pairs`, by
+    /// weight, or where a balance was found.
+    bool may_be_balanced = true;
     Balance balance = Balance::triangle_count;
     /// Heaviest sub-mesh over the mean; by triangle counts unless the balance is by weight.
     double weight_imbalance = 1.0;

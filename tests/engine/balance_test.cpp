@@ -34,10 +34,10 @@ TEST(Balance, ExactBalanceOfTwoToFourFacesEachNeedsNoAnnealing) {
     for (int k : {face_count / 2, 2 * face_count / 5, 5 * face_count / 16, face_count / 4}) {
         for (std::uint64_t seed : {1, 2, 3}) {
             Patchwork patchwork = ragged_patchwork(levels, k, seed);
-            const int before = imbalance(patchwork);
+            const int before = misplaced(patchwork);
             std::int64_t cuts_left = std::int64_t{100} * k;
             if (!balance_exactly(patchwork)) {
-                EXPECT_LT(imbalance(patchwork), before / 20) << k << ", seed " << seed;
+                EXPECT_LT(misplaced(patchwork), before / 20) << k << ", seed " << seed;
                 EXPECT_TRUE(recut_to_balance(patchwork, cuts_left)) << k << ", seed " << seed;
             }
             EXPECT_TRUE(measures_of(levels, patchwork).is_valid()) << k << ", seed " << seed;
@@ -94,10 +94,10 @@ TEST(Balance, IsNeverFartherOffThanItWas) {
                 continue;
             }
             Patchwork patchwork = rough_patchwork(levels, k, seed);
-            const int before = imbalance(patchwork);
+            const int before = misplaced(patchwork);
             const bool balanced = balance_exactly(patchwork);
-            EXPECT_LE(imbalance(patchwork), before) << k << ", seed " << seed;
-            EXPECT_EQ(imbalance(patchwork) == 0, balanced) << k << ", seed " << seed;
+            EXPECT_LE(misplaced(patchwork), before) << k << ", seed " << seed;
+            EXPECT_EQ(misplaced(patchwork) == 0, balanced) << k << ", seed " << seed;
             EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k << ", seed " << seed;
         }
     }

@@ -43,9 +43,9 @@ TEST(BranchAnnealing, BalancesSurfacesWithNarrowLimbsAndKeepsSubmeshesSound) {
                 continue;
             }
             ++stuck_count;
-            const int before = imbalance(patchwork);
+            const int before = misplaced(patchwork);
             pass_branches(patchwork, nullptr, {});
-            EXPECT_LT(imbalance(patchwork), before / 4) << mesh.face_count() << " k " << k;
+            EXPECT_LT(misplaced(patchwork), before / 4) << mesh.face_count() << " k " << k;
             const Measures measures = measures_of(levels, patchwork);
             EXPECT_TRUE(is_sound(measures)) << mesh.face_count() << " k " << k;
             EXPECT_EQ(patchwork.load, measures.submesh_triangles);

@@ -57,7 +57,7 @@ TEST(NarrowCut, FindsACutOfATreeWhereThereIsOne) {
         for (int k : {4, 5, 6, 8, 12}) {
             Patchwork patchwork = rough_patchwork(levels, k, seed);
             std::int64_t work_left = kMuchWork;
-            const bool is_even = imbalance(patchwork) == 0;
+            const bool is_even = misplaced(patchwork) == 0;
             const bool balanced = cut_narrow_regions(patchwork, work_left);
             EXPECT_EQ(balanced, is_even || has_even_cut(levels.graph, face_count, k))
                 << "seed " << seed << ", k " << k;
@@ -75,7 +75,7 @@ TEST(NarrowCut, DoesNothingWithLargeSubmeshesOrWithoutWork) {
     const Levels levels(evenly_stacked(1000));
     for (const auto& [submesh_count, work] : {std::pair{3, kMuchWork}, {200, std::int64_t{0}}}) {
         Patchwork patchwork = rough_patchwork(levels, submesh_count, 1);
-        ASSERT_GT(imbalance(patchwork), 0);
+        ASSERT_GT(misplaced(patchwork), 0);
         const std::vector<int> before = cell_labels(patchwork);
         std::int64_t work_left = work;
         EXPECT_FALSE(cut_narrow_regions(patchwork, work_left));

@@ -48,16 +48,6 @@ inline TriangleMesh sieve(const TriangleMesh& from, double share, std::uint64_t 
     return result;
 }
 
-/// Sum of what the sub-meshes have too many or too few.
-inline int imbalance(const Patchwork& patchwork) {
-    const EvenLoads even = even_loads(patchwork);
-    int sum = 0;
-    for (int load : patchwork.load) {
-        sum += even.deviation(load);
-    }
-    return sum;
-}
-
 /// The finest level parted by bisection: sound, with loads that may be far from even.
 inline Patchwork rough_patchwork(const Levels& levels, int submesh_count, std::uint64_t seed) {
     Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count);

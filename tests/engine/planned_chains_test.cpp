@@ -32,13 +32,13 @@ TEST(PlannedChains, OneSearchRelievesManySubmeshesAndLeavesAllSound) {
         for (bool outward_first : {true, false}) {
             Patchwork patchwork = ragged_patchwork(levels, k, 1);
             ChainsOf chains(patchwork);
-            const int first = imbalance(patchwork);
+            const int first = misplaced(patchwork);
             chains.follow(outward_first);
-            EXPECT_LE(imbalance(patchwork), first - first / 8) << k;
+            EXPECT_LE(misplaced(patchwork), first - first / 8) << k;
             for (bool outward : {true, false, true, false}) {
-                const int before = imbalance(patchwork);
+                const int before = misplaced(patchwork);
                 chains.follow(outward);
-                EXPECT_LE(imbalance(patchwork), before) << k;
+                EXPECT_LE(misplaced(patchwork), before) << k;
                 EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << k;
             }
         }
@@ -76,10 +76,10 @@ TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
     const Strip strip(1000);
     for (bool outward : {true, false}) {
         Patchwork patchwork = strip.patchwork();
-        ASSERT_EQ(imbalance(patchwork), 2);
+        ASSERT_EQ(misplaced(patchwork), 2);
         ChainsOf chains(patchwork);
         chains.follow(outward);
-        EXPECT_EQ(imbalance(patchwork), 0);
+        EXPECT_EQ(misplaced(patchwork), 0);
         EXPECT_TRUE(is_sound(measures_of(*strip.levels, patchwork)));
     }
 }
@@ -91,9 +91,9 @@ TEST(PlannedChains, ASearchLeavesNoMarks) {
     const std::vector<int> before = cell_labels(patchwork);
     ChainsOf chains(patchwork);
     for (bool outward : {true, true, false, false, true}) {
-        ASSERT_EQ(imbalance(patchwork), 2);
+        ASSERT_EQ(misplaced(patchwork), 2);
         chains.follow(outward);
-        EXPECT_EQ(imbalance(patchwork), 0);
+        EXPECT_EQ(misplaced(patchwork), 0);
         for (int f = 0; f < patchwork.face_count(); ++f) {
             if (patchwork.label(f) != before[f]) {
                 chains.boundaries.pass(f, patchwork.label(f), before[f]);

@@ -87,14 +87,14 @@ TEST(Recut, IsNeverFartherOffThanItWas) {
         const int face_count = levels.mesh.face_count();
         for (int faces_each : {2, 3, 5, 12, 150}) {
             Patchwork patchwork = rough_patchwork(levels, face_count / faces_each, seed);
-            const int before = imbalance(patchwork);
+            const int before = misplaced(patchwork);
             std::int64_t cuts_left = kManyCuts;
             const bool balanced = recut_to_balance(patchwork, cuts_left);
-            EXPECT_LE(imbalance(patchwork), before) << faces_each << ", seed " << seed;
+            EXPECT_LE(misplaced(patchwork), before) << faces_each << ", seed " << seed;
             // 100 cuts per sub-mesh that bring nothing, and a round, for each face that is off.
             EXPECT_LE(kManyCuts - cuts_left, 116 * (before + 1) * patchwork.submesh_count())
                 << faces_each << ", seed " << seed;
-            EXPECT_EQ(imbalance(patchwork) == 0, balanced) << faces_each << ", seed " << seed;
+            EXPECT_EQ(misplaced(patchwork) == 0, balanced) << faces_each << ", seed " << seed;
             EXPECT_TRUE(is_sound(measures_of(levels, patchwork))) << faces_each << ", " << seed;
             (balanced ? balanced_count : stuck_count) += 1;
         }
@@ -106,7 +106,7 @@ TEST(Recut, IsNeverFartherOffThanItWas) {
 TEST(Recut, StopsWhenTimeOrCutsAreUpOrTheUserSaysSo) {
     const Levels levels(stacked(600, 1));
     Patchwork patchwork = rough_patchwork(levels, 150, 1);
-    ASSERT_GT(imbalance(patchwork), 0);
+    ASSERT_GT(misplaced(patchwork), 0);
     const std::vector<int> before = cell_labels(patchwork);
     const Deadline deadline(1e-9);
     ASSERT_TRUE(deadline.expired());

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bridge_bound.h"
+
+#include "patchwork_meshes.h"
+#include "segment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace spheroseg {
+namespace {
+
+using namespace test;
+
+/// All faces in the first of `submesh_count` sub-meshes, whose number gives the even loads.
+Patchwork uncut(const Levels& levels, int submesh_count) {
+    return levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count, 1);
+}
+
+/// A face with a strip of faces on each of its edges.
+TriangleMesh three_strips(const std::array<int, 3>& lengths) {
+    TriangleMesh mesh;
+    const auto add_vertex = [&mesh] {
+        const auto v = static_cast<double>(mesh.positions.size());
+        mesh.positions.push_back({v, v * v, v * v * v});
+        return static_cast<int>(v);
+    };
+    mesh.faces.push_back({add_vertex(), add_vertex(), add_vertex()});
+    for (const int corner : {0, 1, 2}) {
+        int a = mesh.faces[0][(corner + 1) % 3];
+        int b = mesh.faces[0][corner];
+        for (int i = 0; i < lengths[corner]; ++i) {
+            const int v = add_vertex();
+            mesh.faces.push_back({a, b, v});
+            (i % 2 == 0 ? b : a) = v;
+        }
+    }
+    return mesh;
+}
+
+/// Over all ways to keep or cut each edge between two faces.
+std::int64_t least_misplaced_of_all(const Patchwork& patchwork, std::size_t most_edges) {
+    std::vector<std::pair<int, int>> edges;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int neighbor : patchwork.neighbors(f)) {
+            if (neighbor > f) {
+                edges.emplace_back(f, neighbor);
+            }
+        }
+    }
+    if (edges.size() > most_edges) {
+        return -1;
+    }
+    const EvenLoads even = even_loads(patchwork);
+    std::int64_t least = patchwork.face_count();
+    for (std::uint32_t kept = 0; kept < 1U << edges.size(); ++kept) {
+        std::vector<int> root(patchwork.face_count());
+        std::iota(root.begin(), root.end(), 0);
+        const auto root_of = [&root](int f) {
+            while (root[f] != f) {
+                f = root[f];
+            }
+            return f;
+        };
+        for (std::size_t e = 0; e < edges.size(); ++e) {
+            if ((kept >> e & 1) != 0) {
+                root[root_of(edges[e].first)] = root_of(edges[e].second);
+            }
+        }
+        std::vector<int> load(root.size(), 0);
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            ++load[root_of(f)];
+        }
+        std::int64_t sum = 0;
+        for (int faces : load) {
+            sum += faces > 0 ? even.deviation(faces) : 0;
+        }
+        least = std::min(least, sum);
+    }
+    return least;
+}
+
+TEST(BridgeBound, OfThreeStripsAtAFace) {
+    const auto bound = [](const std::array<int, 3>& lengths, int submesh_count) {
+        return least_misplaced(uncut(Levels(three_strips(lengths)), submesh_count));
+    };
+    EXPECT_EQ(bound({4, 4, 4}, 2), 4); // 4 and 9 of 13, instead of 6 and 7
+    EXPECT_EQ(bound({6, 4, 2}, 2), 0); // 6 and 7
+    EXPECT_EQ(bound({3, 3, 3}, 2), 4); // 3 and 7 of 10
+    EXPECT_EQ(bound({4, 4, 4}, 3), 0); // 4, 4 and 5
+    EXPECT_EQ(bound({6, 6, 7}, 4), 0); // 5 of each strip, and what they leave
+    EXPECT_EQ(bound({600, 600, 600}, 2), 600); // 600 and 1,201
+    EXPECT_EQ(bound({3000, 3000, 3000}, 2), 1001); // as far as it looks
+}
+
+TEST(BridgeBound, IsExactOnTreesOfFaces) {
+    int positive_count = 0;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        const Levels levels(random_tree(8 + static_cast<int>(seed % 5), seed));
+        for (int k = 1; k <= levels.mesh.face_count(); ++k) {
+            const Patchwork patchwork = uncut(levels, k);
+            const std::int64_t bound = least_misplaced(patchwork);
+            EXPECT_EQ(bound, least_misplaced_of_all(patchwork, 12)) << seed << ", k " << k;
+            positive_count += bound > 0;
+        }
+    }
+    EXPECT_GE(positive_count, 40);
+}
+
+TEST(BridgeBound, IsNoMoreThanTheLeastElsewhere) {
+    int checked_count = 0;
+    int positive_count = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        const Levels levels(sieve(open_grid(4), 0.3, seed));
+        for (int k = 2; k < levels.mesh.face_count(); ++k) {
+            const Patchwork patchwork = uncut(levels, k);
+            const std::int64_t least = least_misplaced_of_all(patchwork, 12);
+            if (least >= 0) {
+                const std::int64_t bound = least_misplaced(patchwork);
+                EXPECT_LE(bound, least) << seed << ", k " << k;
+                ++checked_count;
+                positive_count += bound > 0;
+            }
+        }
+    }
+    EXPECT_GE(checked_count, 200);
+    EXPECT_GE(positive_count, 30);
+}
+
+TEST(BridgeBound, IsZeroWithoutBridges) {
+    for (const TriangleMesh& mesh : {icosphere(2), torus(12, 8), bipyramid(20)}) {
+        const Levels levels(mesh);
+        for (int k : {2, 7, 40}) {
+            EXPECT_EQ(least_misplaced(uncut(levels, k)), 0);
+        }
+    }
+}
+
+TEST(BridgeBound, OfLongStripsTakesNoDeepRecursionOrMuchWork) {
+    EXPECT_EQ(least_misplaced(uncut(Levels(three_strips({100000, 50000, 3})), 150)), 0);
+    EXPECT_EQ(least_misplaced(uncut(Levels(three_strips({50000, 50000, 50000})), 2)), 0);
+}
+
+TEST(BridgeBound, EndsTheSearchWhereItIsReached) {
+    const TriangleMesh mesh = three_strips({600, 600, 600});
+    SegmentOptions options;
+    options.submesh_count = 2;
+    options.thread_count = 1;
+    PreparedMesh prepared(mesh, 1);
+    const Segmentation result = segment(prepared, options);
+    EXPECT_EQ(result.measures.submesh_triangles[0] + result.measures.submesh_triangles[1], 1801);
+    EXPECT_EQ(result.measures.max_triangle_count_difference, 601); // 600 and 1,201
+    EXPECT_FALSE(result.is_valid());
+    EXPECT_FALSE(result.may_be_balanced);
+    options.submesh_count = 3;
+    const Segmentation other = segment(prepared, options);
+    EXPECT_TRUE(other.is_valid());
+    EXPECT_TRUE(other.may_be_balanced);
+}
+
+} // namespace
+} // namespace spheroseg
