@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <numeric>
 #include <utility>
@@ -25,6 +26,10 @@ namespace {
 constexpr int kLargeComponent = 16384;
 /// Heaviest loads that differ by less than this part of the mean count as equal.
 constexpr double kSameBalance = 0.001;
+/// Where a component can not be cut as its share asks, so many others are tried for the sub-mesh
+/// that it gives or takes, with so many times all faces cut anew in all.
+constexpr int kMostPartners = 4;
+constexpr std::int64_t kMostCutsAnew = 2;
 
 /// Component after component, each with its share of the sub-meshes.
 class ComponentWise {
@@ -50,6 +55,7 @@ public:
         }
         share_out(face_counts, submesh_count);
         result_.labels.resize(face_count);
+        is_valid_.assign(components_->size(), 0);
 
         std::vector<int> small;
         const auto component_count = static_cast<int>(components_->size());
@@ -66,6 +72,9 @@ public:
                         component_count > 1 ? sub_progress(progress_, begin, done()) : progress_);
         }
         segment_small(small);
+        if (options_.balance == Balance::triangle_count) {
+            change_shares();
+        }
         if (options_.balance == Balance::triangle_count && submesh_count > 1 &&
             face_count <= kMaxFacesToSearch && !is_as_even_as_possible()) {
             search_all_shares(submesh_count);
@@ -101,6 +110,90 @@ private:
         }
         const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
         return *most - *least <= result_.best_max_triangle_count_difference;
+    }
+
+    /// Each component that could not be cut as its share asks gives a sub-mesh to another one, or
+    /// takes one from it, where both can be cut then and the MTCD may be as small as before.
+    void change_shares() {
+        const auto component_count = static_cast<int>(components_->size());
+        if (std::count(is_valid_.begin(), is_valid_.end(), 0) == 0 || component_count == 1) {
+            return;
+        }
+        std::vector<int> by_size(component_count);
+        std::iota(by_size.begin(), by_size.end(), 0);
+        std::stable_sort(by_size.begin(), by_size.end(), [this](int a, int b) {
+            return (*components_)[a].face_count() < (*components_)[b].face_count();
+        });
+        cuts_anew_left_ = kMostCutsAnew * prepared_.mesh().face_count();
+        bool changed = false;
+        for (int i : by_size) {
+            if (!is_valid_[i]) {
+                changed = change_share(i, -1, by_size) || change_share(i, 1, by_size) || changed;
+            }
+        }
+        if (changed && !options_.initial_labels.empty()) {
+            rename_like(result_.labels,
+                        compacted(options_.initial_labels),
+                        requested_submesh_count(options_, prepared_.mesh().face_count()));
+        }
+    }
+
+    /// `partners`: all components, in the order in which they are tried.
+    bool change_share(int component, int change, const std::vector<int>& partners) {
+        if (!may_take(component, change)) {
+            return false;
+        }
+        ComponentResult own;
+        int tried = 0;
+        for (auto at = partners.begin(); at != partners.end() && tried < kMostPartners; ++at) {
+            if (*at == component || !may_take(*at, -change)) {
+                continue;
+            }
+            if (tried++ == 0) {
+                own = cut_anew(component, change);
+                if (!own.is_valid) {
+                    return false;
+                }
+            }
+            const ComponentResult other = cut_anew(*at, -change);
+            if (other.is_valid) {
+                const int giver = change < 0 ? component : *at;
+                const int taker = change < 0 ? *at : component;
+                labels_[taker].names.push_back(labels_[giver].names.back());
+                labels_[giver].names.pop_back();
+                submesh_counts_[component] += change;
+                submesh_counts_[*at] -= change;
+                take(component, own);
+                take(*at, other);
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /// Are there counts for such a share that do not make the MTCD larger than it has to be?
+    bool may_take(int component, int change) const {
+        const std::int64_t share = submesh_counts_[component] + change;
+        const int face_count = (*components_)[component].face_count();
+        return share >= 1 && share * least_count_ <= face_count &&
+            face_count <= share * largest_count_;
+    }
+
+    /// With another share; not valid when the time is up.
+    ComponentResult cut_anew(int component, int change) {
+        const int face_count = (*components_)[component].face_count();
+        if (cuts_anew_left_ < face_count || deadline_.expired()) {
+            return {};
+        }
+        cuts_anew_left_ -= face_count;
+        ComponentTask task = task_of(component);
+        task.submesh_count += change;
+        task.initial_labels.clear();
+        ComponentResult part = cut(component, task, options_, [this](double, const char* message) {
+            return !progress_ || progress_(1.0, message);
+        });
+        seconds_ += part.seconds;
+        return part;
     }
 
     /// The last resort for small meshes: other shares, and any counts that differ as little as
@@ -229,24 +322,37 @@ private:
                      const SegmentOptions& options,
                      AnnealDevice* device,
                      const Progress& progress) {
-        Component& component = (*components_)[i];
-        ComponentResult part;
-        if (submesh_counts_[i] == 1) {
-            part.labels.assign(component.face_count(), 0);
-        } else {
-            ComponentTask task = task_of(i);
-            task.device = device;
-            const bool is_sphere = prepared_.report().is_closed_genus_zero();
-            part = segment_component(
-                component, is_sphere ? &prepared_ : nullptr, options, task, deadline_, progress);
-        }
-        for (int f = 0; f < component.face_count(); ++f) {
-            result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
-        }
+        ComponentTask task = task_of(i);
+        task.device = device;
+        const ComponentResult part = cut(i, task, options, progress);
+        take(i, part);
         const std::lock_guard<std::mutex> lock(result_mutex_);
         result_.may_be_balanced = part.may_be_balanced || components_->size() > 1;
         seconds_ += part.seconds;
         add_iterations(part.history);
+    }
+
+    ComponentResult
+    cut(int i, const ComponentTask& task, const SegmentOptions& options, const Progress& progress) {
+        Component& component = (*components_)[i];
+        if (task.submesh_count == 1) {
+            ComponentResult whole;
+            whole.labels.assign(component.face_count(), 0);
+            whole.is_valid = true;
+            return whole;
+        }
+        const bool is_sphere = prepared_.report().is_closed_genus_zero();
+        return segment_component(
+            component, is_sphere ? &prepared_ : nullptr, options, task, deadline_, progress);
+    }
+
+    /// Only of what belongs to the component: others may be taken at the same time.
+    void take(int i, const ComponentResult& part) {
+        const Component& component = (*components_)[i];
+        for (int f = 0; f < component.face_count(); ++f) {
+            result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
+        }
+        is_valid_[i] = part.is_valid;
     }
 
     /// The n-th iterations of all components count as one; a component that has ended keeps its
@@ -284,6 +390,10 @@ private:
     Segmentation result_;
     std::vector<Component>* components_ = nullptr;
     std::vector<int> submesh_counts_;
+    /// Is each component cut as its share asks?
+    std::vector<std::uint8_t> is_valid_;
+    /// Faces that may be cut anew with other shares.
+    std::int64_t cuts_anew_left_ = 0;
     int least_count_ = 0;
     int largest_count_ = 0;
     std::vector<double> weights_;

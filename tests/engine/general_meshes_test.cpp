@@ -319,6 +319,45 @@ TEST(General, SharesThatABranchCanNotTakeAreChanged) {
     }
 }
 
+/// `arms` strips of as many faces each, on sides of a face.
+TriangleMesh star(int arms, int faces_each) {
+    TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+    for (int arm = 0; arm < arms; ++arm) {
+        int a = arm;
+        int b = (arm + 1) % 3;
+        for (int i = 0; i < faces_each; ++i) {
+            const int tip = mesh.vertex_count();
+            mesh.positions.push_back({1.0 * arm, 1.0 * i, 1.0});
+            mesh.faces.push_back({b, a, tip});
+            (i % 2 == 0 ? a : b) = tip;
+        }
+    }
+    return mesh;
+}
+
+TEST(General, SharesThatALargeStarCanNotTakeAreChangedInEitherOrder) {
+    // Two sub-meshes of one and one of the other, with equal counts; a star has no halves.
+    constexpr int kArm = 301;
+    for (bool star_is_first : {true, false}) {
+        TriangleMesh mesh = star_is_first ? star(3, kArm) : star(1, 3 * kArm);
+        append(mesh, star_is_first ? star(1, 3 * kArm) : star(3, kArm));
+        PreparedMesh prepared(mesh);
+        SegmentOptions options;
+        options.submesh_count = 3;
+        for (int given = 0; given < 2; ++given) {
+            const Segmentation result = segment(prepared, options);
+            EXPECT_TRUE(result.is_valid());
+            EXPECT_EQ(result.measures.max_triangle_count_difference, (3 * kArm + 1) / 2);
+            // Labels that share it out in the other way, at random.
+            options.initial_labels.clear();
+            for (int f = 0; f < mesh.face_count(); ++f) {
+                const bool is_in_star = (f <= 3 * kArm) == star_is_first;
+                options.initial_labels.push_back(is_in_star ? f % 2 : 2);
+            }
+        }
+    }
+}
+
 TEST(General, ABranchBesideASphereIsNotHalvedInEitherOrder) {
     for (bool branch_is_first : {true, false}) {
         TriangleMesh mesh = branch_is_first ? branch() : icosphere(3);
