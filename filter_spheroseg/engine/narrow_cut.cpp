@@ -40,7 +40,7 @@ constexpr std::size_t kFirstRegion = 8;
 constexpr int kTriesOfAll = 2;
 /// What a region and its blocks take, in pairs of ways for each face.
 constexpr std::int64_t kWorkPerFace = 100;
-constexpr std::int64_t kWorkPerReport = 10000;
+constexpr std::int64_t kWorkPerReport = 2000;
 
 /// A way to cut a block: into parts, each the part of a sub-mesh that lies in the block. Those with
 /// outer edges come first, the rest is complete and not kept.
@@ -95,7 +95,7 @@ private:
     bool cut_around(int label) {
         for (std::size_t least = kFirstRegion; may_go_on();) {
             const Region region = region_around(label, least);
-            work_left_ -= kWorkPerFace * static_cast<std::int64_t>(region.faces.size());
+            count_work(kWorkPerFace * static_cast<std::int64_t>(region.faces.size()));
             if (region.faces.size() > kMostFaces) {
                 return false;
             }
