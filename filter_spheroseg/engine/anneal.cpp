@@ -2,7 +2,7 @@
 #include "anneal.h"
 
 #include "anneal_device.h"
-#include "parallel_failure.h"
+#include "parallel_tasks.h"
 #include "threads.h"
 
 #include <algorithm>
@@ -151,9 +151,16 @@ private:
     Random random_;
 };
 
-template <typename Loads>
-std::int64_t
-run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int thread_count) {
+/// Progress within phases is told at most so often.
+constexpr double kSecondsPerReport = 0.1;
+
+/// `report` is called now and then on the calling thread; it may throw.
+template <typename Loads, typename Report>
+std::int64_t run_on_cores(const Work& work,
+                          const Phase& phase,
+                          const Loads& loads,
+                          int thread_count,
+                          const Report& report) {
     if (work.partners) {
         work.partners->clear();
     }
@@ -163,17 +170,33 @@ run_on_cores(const Work& work, const Phase& phase, const Loads& loads, int threa
     const int threads = threads_for(
         thread_count, proposal_count(phase.proposals_per_face, face_count), kProposalsPerThread);
     std::atomic<std::int64_t> change{0};
-    ParallelFailure failure;
-    for_each_task(group_count, threads, [&](int i) {
-        failure.guard([&] { change += CoreGroup(work, groups[i], phase).anneal(loads); });
-    });
-    failure.rethrow();
+    StopWatch since_report;
+    const auto report_at_times = [&] {
+        if (since_report.elapsed_seconds() >= kSecondsPerReport) {
+            report();
+            since_report = {};
+        }
+        return true;
+    };
+    const auto anneal_group = [&](int i) {
+        change += CoreGroup(work, groups[i], phase).anneal(loads);
+    };
+    if (std::min(group_count, threads) > 1) {
+        run_tasks(group_count, threads, report_at_times, [&](int i, const Progress&) {
+            anneal_group(i);
+        });
+    } else { // without OpenMP, which makes a team and system calls even for one thread
+        for (int i = 0; i < group_count; ++i) {
+            report_at_times();
+            anneal_group(i);
+        }
+    }
     return change;
 }
 
-/// Calls phases(run); `run(phase, loads, grouping, boundary)` makes the proposals of all groups, on
-/// the device if there is one, and returns the change of the number of boundary edges. In between
-/// labels must not be changed otherwise.
+/// Calls phases(run); `run(phase, loads, grouping, boundary, report)` makes the proposals of all
+/// groups, on the device if there is one, and returns the change of the number of boundary edges.
+/// In between labels must not be changed otherwise.
 template <typename Phases>
 void with_groups(Patchwork& patchwork,
                  const AnnealControl& control,
@@ -183,16 +206,21 @@ void with_groups(Patchwork& patchwork,
     if (control.device) {
         const std::unique_ptr<DeviceGroups> groups =
             control.device->begin_groups(patchwork, partners != nullptr, threads);
-        phases([&](const Phase& phase,
-                   const auto& loads,
-                   Grouping& grouping,
-                   BoundaryFaces& boundary) {
-            return groups->run(phase, loads, patchwork, grouping, boundary);
-        });
+        phases(
+            [&](const Phase& phase,
+                const auto& loads,
+                Grouping& grouping,
+                BoundaryFaces& boundary,
+                const auto&) { return groups->run(phase, loads, patchwork, grouping, boundary); });
         return;
     }
-    phases([&](const Phase& phase, const auto& loads, Grouping& grouping, BoundaryFaces& boundary) {
-        return run_on_cores({patchwork, grouping, boundary, partners}, phase, loads, threads);
+    phases([&](const Phase& phase,
+               const auto& loads,
+               Grouping& grouping,
+               BoundaryFaces& boundary,
+               const auto& report) {
+        return run_on_cores(
+            {patchwork, grouping, boundary, partners}, phase, loads, threads, report);
     });
 }
 
@@ -224,11 +252,14 @@ void run_phases(Patchwork& patchwork,
         const double proposals =
             std::max(schedule.proposals_per_face, schedule.least_proposals / face_count) / phases;
         for (int p = 0; p < phases && !is_over(control, p); ++p) {
-            report_progress(control.progress, static_cast<double>(p) / phases, step);
+            const auto report = [&] {
+                report_progress(control.progress, static_cast<double>(p) / phases, step);
+            };
+            report();
             const StopWatch watch;
             const Phase phase{schedule.temperature(p), proposals, seed_of(schedule, p)};
             grouping.regroup(patchwork, boundary, phase.seed, threads);
-            edges += run(phase, loads_of(p), grouping, boundary);
+            edges += run(phase, loads_of(p), grouping, boundary, report);
             grouping.collect(patchwork.load, boundary);
             if (control.history) {
                 control.history->add(static_cast<double>(edges), watch.elapsed_seconds());
@@ -300,11 +331,14 @@ void run_rounds(Patchwork& patchwork,
         const std::vector<std::int64_t> edges = edges_of_groups(patchwork, grouping, threads);
         with_groups(patchwork, control, &partners, threads, [&](const auto& run) {
             for (int p = 0; p < phases && !is_over(control, round); ++p) {
-                report_progress(control.progress, (first + p) / all_phases, step);
+                const auto report = [&] {
+                    report_progress(control.progress, (first + p) / all_phases, step);
+                };
+                report();
                 const Phase phase{schedule.temperature(p),
                                   schedule.proposals_per_face / phases,
                                   seed_of(schedule, first + p)};
-                run(phase, range, grouping, boundary);
+                run(phase, range, grouping, boundary, report);
             }
         });
         undo_worse_groups(patchwork, grouping, edges, labels, threads);

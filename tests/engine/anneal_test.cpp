@@ -136,6 +136,22 @@ TEST(Anneal, ClosesRingsAroundALimbOnlyWhereItMay) {
     }
 }
 
+TEST(Anneal, HearsACancelWithinAPhase) {
+    const Levels levels(icosphere(4));
+    AnnealSchedule schedule = schedule_of(6e3, 1); // a second
+    schedule.phase_count = 1;
+    for (int threads : {1, 2}) {
+        schedule.thread_count = threads;
+        Patchwork patchwork = rough_patchwork(levels, 200, 1);
+        int calls = 0;
+        AnnealControl control;
+        control.progress = [&calls](double, const char*) { return ++calls < 3; };
+        EXPECT_THROW(anneal(patchwork, schedule, control), Cancelled);
+        EXPECT_EQ(calls, 3);
+        EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    }
+}
+
 TEST(FreeAnnealing, FindsTheWayThroughAHole) {
     // A strip of 24 x 8 squares with a hole of 4 x 4 in its middle, which leaves bridges of two: 4
     // edges part the halves there. The start is a straight cut of 8 edges beside the hole; moves
