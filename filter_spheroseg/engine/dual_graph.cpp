@@ -15,11 +15,11 @@ namespace {
 constexpr int kVerticesPerTask = 4096;
 
 /// The side of a face: 3 * face + corner, seen from the lower of its two vertices.
-struct Side {
+struct BucketSide {
     int other_vertex;
     int side;
 
-    bool operator<(const Side& other) const {
+    bool operator<(const BucketSide& other) const {
         return other_vertex != other.other_vertex ? other_vertex < other.other_vertex
                                                   : side < other.side;
     }
@@ -43,7 +43,7 @@ void check_indices(const TriangleMesh& mesh) {
 /// begin[v + 1].
 struct Buckets {
     std::vector<int> begin;
-    std::vector<Side> sides;
+    std::vector<BucketSide> sides;
 };
 
 Buckets bucket_sides(const TriangleMesh& mesh) {

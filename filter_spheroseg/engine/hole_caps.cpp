@@ -29,7 +29,7 @@ public:
 
 private:
     /// Side `corner` of a face, on the border; it leads from one vertex to another.
-    struct Side {
+    struct BorderSide {
         int face;
         int corner;
         int from;
@@ -38,7 +38,7 @@ private:
 
     /// A way is a directed border side: side way / 2 in the direction of its face where `way` is
     /// even, against it where odd. way ^ 1 is the same side in the other direction.
-    const Side& side_of(int way) const { return sides_[way / 2]; }
+    const BorderSide& side_of(int way) const { return sides_[way / 2]; }
     int begin_of(int way) const { return way % 2 ? side_of(way).to : side_of(way).from; }
     int end_of(int way) const { return begin_of(way ^ 1); }
 
@@ -56,15 +56,16 @@ private:
 
     int side_at(int face, int corner) const {
         const auto side = std::lower_bound(
-            sides_.begin(), sides_.end(), std::make_pair(face, corner), [](const Side& s, auto at) {
-                return std::make_pair(s.face, s.corner) < at;
-            });
+            sides_.begin(),
+            sides_.end(),
+            std::make_pair(face, corner),
+            [](const BorderSide& s, auto at) { return std::make_pair(s.face, s.corner) < at; });
         return static_cast<int>(side - sides_.begin());
     }
 
     /// The border side at the other end of the fan around begin.from; -1 where faces of the fan are
     /// oriented differently.
-    int end_of_fan(const Side& begin) const {
+    int end_of_fan(const BorderSide& begin) const {
         int f = begin.face;
         int corner = begin.corner;
         for (;;) {
@@ -129,7 +130,7 @@ private:
     /// direction of the next face. Such a vertex, and the middle of its cap, are never removed.
     void join_turned_fans() {
         std::vector<int> end_counts(mesh_.vertices.size(), 0);
-        for (const Side& side : sides_) {
+        for (const BorderSide& side : sides_) {
             ++end_counts[side.from];
             ++end_counts[side.to];
         }
@@ -197,7 +198,7 @@ private:
 
     /// A face of a cap at this way, with a third vertex and the faces before and after it.
     CollapseMesh::Face cap_face(int way, int third, int before, int after) const {
-        const Side& side = side_of(way);
+        const BorderSide& side = side_of(way);
         if (way % 2) {
             std::swap(before, after);
         }
@@ -229,7 +230,7 @@ private:
     }
 
     CollapseMesh& mesh_;
-    std::vector<Side> sides_;
+    std::vector<BorderSide> sides_;
     /// How the border goes on after each way; -1: unclear.
     std::vector<int> next_;
     std::vector<char> is_done_;

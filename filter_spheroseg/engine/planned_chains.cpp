@@ -9,7 +9,7 @@ namespace {
 
 /// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
 /// `corner`, or, not `outward`, into it.
-Side passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
+SubmeshSide passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
     if (outward) {
         return {face, corner};
     }
@@ -82,7 +82,7 @@ void PlannedChains::plan_from(int label, bool outward, int previous, int begin) 
     const int last_face = previous < 0 ? -1 : passes_[previous].side.face;
     const std::size_t count = sides_.size();
     for (std::size_t i = 0; i < count; ++i) {
-        const Side& side = sides_[(i + turn_) % count];
+        const SubmeshSide& side = sides_[(i + turn_) % count];
         std::uint8_t& is_planned = is_planned_[3 * side.face + side.corner];
         Move move;
         if (!is_planned && side.face != last_face && is_allowed(side, move)) {

@@ -11,7 +11,7 @@
 namespace spheroseg {
 
 /// A side of a sub-mesh: the edge of `face` at `corner`.
-struct Side {
+struct SubmeshSide {
     int face;
     int corner;
 };
@@ -39,7 +39,7 @@ public:
 
 private:
     struct Pass {
-        Side side;
+        SubmeshSide side;
         int from;
         int to;
         int previous; // -1: none
@@ -51,7 +51,7 @@ private:
     void plan_from(int label, bool outward, int previous, int begin);
     void forget();
     void make(int last);
-    bool is_allowed(const Side& side, Move& move) const {
+    bool is_allowed(const SubmeshSide& side, Move& move) const {
         return describe_single(patchwork_, side.face, side.corner, move) &&
             single_is_allowed(patchwork_, side.face, side.corner, move);
     }
@@ -64,7 +64,7 @@ private:
     std::vector<Pass> passes_;
     /// The last passes of the chains that were found.
     std::vector<int> ends_;
-    std::vector<Side> sides_;
+    std::vector<SubmeshSide> sides_;
     std::vector<std::uint8_t> is_planned_;
     /// Per sub-mesh the chains found so far that end there: each takes one unit of its room.
     std::vector<int> promised_;
