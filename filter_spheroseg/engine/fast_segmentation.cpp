@@ -8,6 +8,7 @@
 #include "component.h"
 #include "exact_cut.h"
 #include "face_weights.h"
+#include "fast_deadlines.h"
 #include "fast_plan.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
@@ -29,12 +30,6 @@ namespace {
 constexpr int kMaxStarts = 6;
 /// The part of the time of bisection and relaxation that the bisection takes.
 constexpr double kBisectionShare = 0.15;
-/// Seconds for the search for a balance, whatever the time limit is, per second of a start that is
-/// made as `draft` does it because the time is up.
-constexpr double kSearchOverDraft = 10.0;
-/// The same for the first step of a balance by weight after any other start. On ordinary meshes it
-/// takes up to 1.6 times all that went before it, levels included.
-constexpr double kLoweringOverStart = 2.0;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
 /// The tail of the cohesion is long and changes little.
@@ -49,14 +44,13 @@ public:
                      const Deadline& deadline,
                      const Progress& progress)
         : component_(component), whole_(whole), options_(options), task_(task),
-          submesh_count_(task.submesh_count), deadline_(deadline),
-          search_deadline_(deadline.for_searches()), progress_(progress),
-          plan_(component.face_count(),
-                task.submesh_count,
-                !task.weights.empty(),
-                whole != nullptr,
-                options.effort,
-                options.thread_count) {}
+          submesh_count_(task.submesh_count), deadline_(deadline), time_(deadline),
+          progress_(progress), plan_(component.face_count(),
+                                     task.submesh_count,
+                                     !task.weights.empty(),
+                                     whole != nullptr,
+                                     options.effort,
+                                     options.thread_count) {}
 
     ComponentResult run() {
         const StopWatch watch;
@@ -64,13 +58,13 @@ public:
         result_.seconds.parametrization += watch.elapsed_seconds();
         consider_input();
         const std::optional<ComponentResult> reserve = make_reserve();
-        for (int start = 0; start < kMaxStarts && !(reserve && deadline_.expired()); ++start) {
-            if (deadline_.expired() && !is_hurried_) {
-                hurry();
+        for (int start = 0; start < kMaxStarts && !(reserve && time_.expired()); ++start) {
+            if (time_.expired() && !time_.is_hurried()) {
+                time_.hurry();
+                plan_.set_effort(Effort::draft);
             }
             begin_start(start);
-            Patchwork patchwork =
-                start == 0 && trials() > 1 ? best_layout() : annealed_labels(start);
+            Patchwork patchwork = start == 0 && trials() > 1 ? best_layout() : annealed_labels();
             make_exact(patchwork);
             const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
             any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
@@ -81,15 +75,15 @@ public:
         if (best_->history().count() == 0) {
             best_->set_history(history_); // The initial labels stay.
         }
-        if (best_->is_valid() && has_rounds() && !deadline_.expired()) {
+        if (best_->is_valid() && has_rounds() && !time_.expired()) {
             go_on_in_rounds();
         }
-        if (deadline_.expired() && reserve) {
+        if (time_.expired() && reserve) {
             history_ = reserve->history;
             best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
         if (!best_->is_valid() && !is_least_ && !by_weight() &&
-            component_.face_count() <= kMaxFacesToSearch && !search_deadline_.expired()) {
+            component_.face_count() <= kMaxFacesToSearch && !time_.of_search().expired()) {
             search();
         }
         result_.is_valid = best_->is_valid();
@@ -103,6 +97,8 @@ public:
 
 private:
     bool by_weight() const { return !task_.weights.empty(); }
+    /// Does the running start go on from the initial labels?
+    bool is_warm() const { return start_ == 0 && !task_.initial_labels.empty(); }
     bool has_rounds() const { return plan_.schedules().budget.rounds > 0; }
 
     int wanted_starts() const { return task_.initial_labels.empty() ? plan_.start_count() : 1; }
@@ -112,36 +108,17 @@ private:
         return task_.initial_labels.empty() && plan_.starts_on_sphere();
     }
 
-    /// When the time is up and there is no valid result, one is made as `draft` does it, without
-    /// the limit: what is cut short can not be balanced.
-    void hurry() {
-        is_hurried_ = true;
-        hurry_watch_.emplace();
-        plan_.set_effort(Effort::draft);
-    }
-
-    /// Leaves time for the search for its balance, whatever the limit is: as much as goes with the
-    /// time that it took so far, for that and all later searches.
-    void extend_search() {
-        if (hurry_watch_) {
-            search_deadline_ =
-                Deadline(std::max(search_deadline_.left_seconds(),
-                                  kSearchOverDraft * hurry_watch_->elapsed_seconds()));
-            hurry_watch_.reset();
-        }
-    }
-
-    const Deadline& limit() const { return is_hurried_ ? unlimited_ : deadline_; }
+    const Deadline& limit() const { return time_.of_start(); }
 
     /// Is another start worth its time, after the start that made this patchwork?
     bool wants_more(const Patchwork& patchwork, int start) const {
         if (is_least_ || (is_hopeless_ && start > 0)) {
             return false;
         }
-        if (is_hurried_) {
-            return !any_valid_ && !search_deadline_.expired();
+        if (time_.is_hurried()) {
+            return !any_valid_ && !time_.of_search().expired();
         }
-        if (deadline_.expired()) {
+        if (time_.expired()) {
             return !any_valid_ ||
                 (by_weight() && was_cut_short_ &&
                  heaviest_load(patchwork) > kFarOff * mean_load(patchwork));
@@ -187,7 +164,6 @@ private:
         history_ = {};
         start_ = start;
         start_watch_ = {};
-        is_warm_ = start == 0 && !task_.initial_labels.empty();
     }
 
     /// Initial labels that are valid already are a result to beat.
@@ -231,16 +207,15 @@ private:
 
     /// Starts 0 and 1 are on a coarse mesh, of many sub-meshes start 1 on the sphere instead;
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
-    Patchwork first_labels(int start) {
-        if (is_warm_) {
+    Patchwork first_labels() {
+        if (is_warm()) {
             Patchwork patchwork = finest_with(task_.initial_labels);
             adopt_labels(patchwork, seed_, sub_progress(start_progress_, 0.0, 0.0));
             return patchwork;
         }
-        Patchwork patchwork =
-            start == 1 && starts_on_sphere() ? sphere_start() : graph_start(start);
+        Patchwork patchwork = start_ == 1 && starts_on_sphere() ? sphere_start() : graph_start();
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
-        patchwork.may_close_rings = start == 0 || any_valid_;
+        patchwork.may_close_rings = start_ == 0 || any_valid_;
         repair(patchwork);
         return patchwork;
     }
@@ -293,23 +268,23 @@ private:
         return std::move(best.patchwork);
     }
 
-    Patchwork annealed_labels(int start) {
-        Patchwork patchwork = first_labels(start);
+    Patchwork annealed_labels() {
+        Patchwork patchwork = first_labels();
         anneal_up(patchwork);
         return patchwork;
     }
 
-    Patchwork graph_start(int start) {
+    Patchwork graph_start() {
         const StopWatch watch;
-        Patchwork patchwork = level_with(start < 2 && plan_.coarsens() ? plan_.coarse_face_count()
-                                                                       : component_.face_count());
+        Patchwork patchwork = level_with(start_ < 2 && plan_.coarsens() ? plan_.coarse_face_count()
+                                                                        : component_.face_count());
         const double relaxation = kBisectionShare * cost_.start_end();
         bisect(patchwork,
                submesh_count_,
                seed_,
                options_.thread_count,
                sub_progress(start_progress_, 0.0, relaxation));
-        if (start < 3) {
+        if (start_ < 3) {
             AnnealControl cohesion = control(relaxation, cost_.start_end());
             cohesion.max_phases = max_cohesion_iterations();
             const int before = history_.count();
@@ -387,13 +362,10 @@ private:
     }
 
     void lower_heaviest_load(Patchwork& patchwork) {
-        const double seconds = start_watch_.elapsed_seconds();
-        const Deadline deadline(
-            is_hurried_ ? kSearchOverDraft * seconds
-                        : std::max(limit().left_seconds(), kLoweringOverStart * seconds));
+        const Deadline first = time_.of_lowering(start_watch_.elapsed_seconds());
         AnnealControl lowering = control(cost_.levels_end(), 1.0);
-        lowering.deadline = is_hurried_ ? &deadline : &limit();
-        balance_by_weight(patchwork, exchanges(patchwork), lowering, &deadline);
+        lowering.deadline = time_.is_hurried() ? &first : &limit();
+        balance_by_weight(patchwork, exchanges(patchwork), lowering, &first);
     }
 
     /// Shortens the boundaries of the best result further.
@@ -421,15 +393,15 @@ private:
         const Progress progress =
             sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
         BalanceSearch search(
-            patchwork, plan_.schedules(), seed_, start_, search_deadline_, progress);
+            patchwork, plan_.schedules(), seed_, start_, time_.of_search(), progress);
         if (limit().expired()) {
             return search.pass_faces();
         }
         search.pass_branches(limit());
-        if (is_warm_) {
+        if (is_warm()) {
             return search.balance_initial_labels();
         }
-        extend_search();
+        time_.extend_search();
         const bool balanced = search.search();
         is_hopeless_ = search.is_hopeless();
         is_least_ = search.is_least();
@@ -460,9 +432,7 @@ private:
     const ComponentTask& task_;
     const int submesh_count_;
     const Deadline& deadline_;
-    /// Of searches for a balance.
-    Deadline search_deadline_;
-    const Deadline unlimited_;
+    FastDeadlines time_;
     const Progress& progress_;
     Progress start_progress_;
     ComponentResult result_;
@@ -476,10 +446,6 @@ private:
     StopWatch start_watch_;
     int start_ = 0;
     std::uint64_t seed_ = 0;
-    bool is_warm_ = false;
-    bool is_hurried_ = false;
-    /// Since then, until a balance is searched for.
-    std::optional<StopWatch> hurry_watch_;
     bool was_cut_short_ = false;
     /// Where a balance was last searched for, so much stayed off that only another kind of start is
     /// worth a try.
