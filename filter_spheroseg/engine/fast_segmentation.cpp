@@ -10,6 +10,7 @@
 #include "face_weights.h"
 #include "fast_deadlines.h"
 #include "fast_plan.h"
+#include "level_annealing.h"
 #include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"

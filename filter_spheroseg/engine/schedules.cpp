@@ -3,7 +3,6 @@
 
 #include "boundary.h"
 #include "levels.h"
-#include "repair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -136,13 +135,6 @@ double hexagonal_edges(double face_count, int submesh_count) {
 void set_balance(AnnealSchedule& schedule, const Patchwork& patchwork, double begin, double end) {
     schedule.balance_weight_begin = begin / mean_cell_count(patchwork);
     schedule.balance_weight_end = end / mean_cell_count(patchwork);
-}
-
-void uncoarsen(Patchwork& patchwork, const Multilevel& multilevel, int thread_count) {
-    const bool opened = multilevel.uncoarsen(patchwork, thread_count);
-    if (opened || patchwork.may_be_unsound) {
-        repair_unsound(patchwork);
-    }
 }
 
 } // namespace spheroseg

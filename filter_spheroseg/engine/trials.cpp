@@ -5,6 +5,7 @@
 #include "boundary.h"
 #include "branch_annealing.h"
 #include "free_annealing.h"
+#include "level_annealing.h"
 #include "parallel_tasks.h"
 #include "relaxation.h"
 #include "repair.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "history.h"
+#include "multilevel.h"
 #include "schedules.h"
 
 namespace spheroseg {
