@@ -6,6 +6,7 @@
 #include "bridge_bound.h"
 #include "narrow_cut.h"
 #include "recut.h"
+#include "seeds.h"
 
 #include <algorithm>
 
@@ -48,8 +49,10 @@ bool BalanceSearch::pass_faces() {
 
 void BalanceSearch::pass_branches(const Deadline& limit) {
     if (are_large() && start_ < kStartsWithBranches && is_stuck(patchwork_)) {
-        anneal_branches(
-            patchwork_, schedules_.branches(patchwork_, seed_ + 3000), &limit, progress_);
+        anneal_branches(patchwork_,
+                        schedules_.branches(patchwork_, seed_ + seed_offset::kBranches),
+                        &limit,
+                        progress_);
     }
 }
 
@@ -73,7 +76,7 @@ bool BalanceSearch::search() {
          ++i) {
         // With a strong pull towards balance, whatever the time limit.
         const AnnealSchedule schedule =
-            schedules_.shaking(seed_ + 1000 + static_cast<std::uint64_t>(i));
+            schedules_.shaking(seed_ + seed_offset::kShaking + static_cast<std::uint64_t>(i));
         AnnealControl control;
         control.progress = progress_;
         anneal(patchwork_, schedule, control);

@@ -14,6 +14,7 @@
 #include "pair_cohesion.h"
 #include "relaxation.h"
 #include "repair.h"
+#include "seeds.h"
 #include "soundness.h"
 #include "sphere_bisection.h"
 #include "trials.h"
@@ -161,7 +162,7 @@ private:
                                        cost_before(start) / all,
                                        cost_before(start + 1) / all);
         cost_ = plan_.cost_of_start(start == 0 ? trials() : 1);
-        seed_ = options_.seed + 0x9E3779B9ULL * static_cast<std::uint64_t>(start);
+        seed_ = seed_of_start(options_.seed, start);
         history_ = {};
         start_ = start;
         start_watch_ = {};
@@ -374,7 +375,7 @@ private:
         const StopWatch watch;
         Patchwork patchwork = finest_with(best_->labels());
         history_ = best_->history();
-        const AnnealSchedule rounds = plan_.schedules().rounds(seed_ + 4000);
+        const AnnealSchedule rounds = plan_.schedules().rounds(seed_ + seed_offset::kRounds);
         const double starts = cost_before(wanted_starts());
         start_progress_ = sub_progress(sub_progress(progress_, preparation_share(), 1.0),
                                        starts / (starts + plan_.cost_of_rounds()),
@@ -411,7 +412,7 @@ private:
     }
 
     AnnealSchedule exchanges(const Patchwork& patchwork) const {
-        return plan_.schedules().exchanges(patchwork, seed_ + 2000);
+        return plan_.schedules().exchanges(patchwork, seed_ + seed_offset::kExchanges);
     }
 
     AnnealControl control(double begin, double end) {

@@ -9,6 +9,7 @@
 #include "parallel_tasks.h"
 #include "relaxation.h"
 #include "repair.h"
+#include "seeds.h"
 #include "soundness.h"
 #include "threads.h"
 
@@ -66,7 +67,7 @@ public:
         run_all(candidates, sub_progress(progress, 0.0, made), [&](int i, auto& control) {
             if (i == 0 || !deadline_.expired()) {
                 Trial& trial = candidates[i].trial;
-                make(trial, i % 4, seed + 0x51ED270BULL * static_cast<std::uint64_t>(i), control);
+                make(trial, i % 4, seed_of_trial(seed, i), control);
                 candidates[i].cost = cost(trial);
             }
         });

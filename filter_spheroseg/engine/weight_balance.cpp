@@ -3,6 +3,7 @@
 
 #include "load_lowering.h"
 #include "schedules.h"
+#include "seeds.h"
 
 #include <algorithm>
 
@@ -97,7 +98,7 @@ private:
     /// is off by as much as the mean.
     void shake(const Progress& progress) {
         AnnealSchedule schedule = exchanges_;
-        schedule.seed = exchanges_.seed + 1000;
+        schedule.seed = exchanges_.seed + seed_offset::kShaking;
         schedule.temperature_begin = 0.5;
         schedule.temperature_end = 0.2;
         set_balance(schedule, patchwork_, 5.0, 100.0);
