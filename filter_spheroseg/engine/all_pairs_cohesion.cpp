@@ -128,14 +128,6 @@ std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::
     return labels;
 }
 
-double cohesion_energy(const std::vector<Vec3>& face_centroids,
-                       const std::vector<int>& labels,
-                       int submesh_count) {
-    ChordSwapState state = make_cohesion_state(face_centroids, labels);
-    assign_centroids(state, submesh_centroids(state, submesh_count));
-    return energy_of(state);
-}
-
 SwapIterations cohere_all_pairs(const DualGraph& dual_graph,
                                 const std::vector<Vec3>& face_centroids,
                                 int submesh_count,

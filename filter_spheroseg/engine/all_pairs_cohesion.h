@@ -9,13 +9,6 @@ namespace spheroseg {
 /// Labels 0 .. submesh_count - 1 in random order; their counts differ by at most one.
 std::vector<int> random_balanced_labels(int face_count, int submesh_count, std::uint64_t seed);
 
-/// Sum over the faces of the chord distance between a face's centroid and that of its sub-mesh,
-/// which is the mean of the centroids of its faces, projected onto the sphere. In the arithmetic
-/// of `cohere_all_pairs` (distances in single precision, their sum in double).
-double cohesion_energy(const std::vector<Vec3>& face_centroids,
-                       const std::vector<int>& labels,
-                       int submesh_count);
-
 /// Algorithms 1 and 2: in every iteration all pairs of faces are met in round-robin rounds, a pair
 /// swaps its labels when that lowers the sum of chord distances, and then the centroids of the
 /// sub-meshes are updated. Ends after an iteration without a swap. When centroids coincide then,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "all_pairs_cohesion.h"
-#include "cohesion_state.h"
 
+#include "cohesion_energy.h"
+#include "cohesion_state.h"
 #include "measures.h"
 #include "test_meshes.h"
 

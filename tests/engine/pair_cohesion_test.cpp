@@ -2,6 +2,7 @@
 #include "pair_cohesion.h"
 
 #include "all_pairs_cohesion.h"
+#include "cohesion_energy.h"
 #include "cohesion_state.h"
 #include "segment.h"
 #include "sphere_bisection.h"
