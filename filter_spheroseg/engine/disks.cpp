@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "disks.h"
 
+#include "face_walk.h"
+
 #include <algorithm>
 
 namespace spheroseg {
@@ -61,30 +63,27 @@ private:
         if (queue_.empty()) {
             return begin < end ? faces[begin] : -1;
         }
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            const int label = patchwork_.label(queue_[head]);
-            for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                if (neighbor >= 0 && !seen[neighbor] && patchwork_.label(neighbor) == label) {
-                    seen[neighbor] = 1;
-                    queue_.push_back(neighbor);
-                }
+        walk_faces(patchwork_, queue_, [&](int face, int neighbor) {
+            if (seen[neighbor] || patchwork_.label(neighbor) != patchwork_.label(face)) {
+                return false;
             }
-        }
+            seen[neighbor] = 1;
+            return true;
+        });
         return queue_.back();
     }
 
     void grow(int seed, int label) {
         queue_.assign(1, seed);
         patchwork_.set_label(seed, label);
-        for (std::size_t head = 0; head < queue_.size(); ++head) {
-            for (int neighbor : patchwork_.neighbors(queue_[head])) {
-                if (neighbor >= 0 && patchwork_.label(neighbor) == candidate(label) &&
-                    may_join(patchwork_, neighbor, label)) {
-                    patchwork_.set_label(neighbor, label);
-                    queue_.push_back(neighbor);
-                }
+        walk_faces(patchwork_, queue_, [&](int, int neighbor) {
+            if (patchwork_.label(neighbor) != candidate(label) ||
+                !may_join(patchwork_, neighbor, label)) {
+                return false;
             }
-        }
+            patchwork_.set_label(neighbor, label);
+            return true;
+        });
     }
 
     Patchwork& patchwork_;

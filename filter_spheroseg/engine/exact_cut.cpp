@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "exact_cut.h"
 
+#include "face_walk.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -177,20 +179,17 @@ private:
 
     int piece_size(int start) {
         const std::size_t first = met_.size();
-        meet(start);
-        for (std::size_t head = first; head < met_.size(); ++head) {
-            for (int neighbor : patchwork_.neighbors(met_[head])) {
-                if (neighbor >= 0 && patchwork_.cells[neighbor].label == kFree) {
-                    meet(neighbor);
-                }
+        patchwork_.set_own_label(start, kMet);
+        met_.push_back(start);
+        const auto meet = [&](int, int face) {
+            if (patchwork_.label(face) != kFree) {
+                return false;
             }
-        }
+            patchwork_.set_own_label(face, kMet);
+            return true;
+        };
+        walk_faces(patchwork_, met_, meet, first);
         return static_cast<int>(met_.size() - first);
-    }
-
-    void meet(int face) {
-        patchwork_.set_own_label(face, kMet);
-        met_.push_back(face);
     }
 
     Patchwork& patchwork_;

@@ -2,6 +2,7 @@
 #include "recut.h"
 
 #include "exact_cut.h"
+#include "face_walk.h"
 #include "submesh_faces.h"
 #include "threads.h"
 
@@ -293,15 +294,13 @@ private:
                 queue.push_back(f);
             }
         }
-        for (std::size_t head = 0; head < queue.size(); ++head) {
-            const int at = queue[head];
-            for (const NeighborSide across : patchwork_.cells[at].side) {
-                if (across >= 0 && of_face[face_of(across)] < 0) {
-                    of_face[face_of(across)] = of_face[at] + 1;
-                    queue.push_back(face_of(across));
-                }
+        walk_faces(patchwork_, queue, [&](int face, int neighbor) {
+            if (of_face[neighbor] >= 0) {
+                return false;
             }
-        }
+            of_face[neighbor] = of_face[face] + 1;
+            return true;
+        });
     }
 
     /// Each face beyond a side of a sub-mesh, for each such side.

@@ -2,6 +2,7 @@
 #include "warm_start.h"
 
 #include "bisection.h"
+#include "face_walk.h"
 #include "repair.h"
 
 #include <algorithm>
@@ -78,14 +79,13 @@ void spread_labels(Patchwork& patchwork) {
             queue.push_back(f);
         }
     }
-    for (std::size_t head = 0; head < queue.size(); ++head) {
-        for (int neighbor : patchwork.neighbors(queue[head])) {
-            if (neighbor >= 0 && patchwork.cells[neighbor].label < 0) {
-                patchwork.set_own_label(neighbor, patchwork.label(queue[head]));
-                queue.push_back(neighbor);
-            }
+    walk_faces(patchwork, queue, [&](int face, int neighbor) {
+        if (patchwork.label(neighbor) >= 0) {
+            return false;
         }
-    }
+        patchwork.set_own_label(neighbor, patchwork.label(face));
+        return true;
+    });
     for (int f = 0; f < patchwork.face_count(); ++f) {
         patchwork.set_own_label(f, std::max(patchwork.label(f), 0));
     }
