@@ -112,7 +112,7 @@ public:
 
     int partner_count(int label) const { return static_cast<int>((*partners_)[label].size()); }
     int partner(int label, int index) const { return (*partners_)[label][index]; }
-    void drop_partner(int label, int index) { drop((*partners_)[label], index); }
+    void drop_partner(int label, int index) { take_out((*partners_)[label], index); }
     void add_partner(int label, int face) { partners_->add(label, face); }
 
 private:
@@ -121,15 +121,9 @@ private:
         const int index = index_of(bits, static_cast<int>(faces_.size()));
         const Drawn drawn = draw_proposal(patchwork_, rules_, faces_[index], bits, proposal);
         if (drawn == Drawn::stale) {
-            boundary_.unlist(faces_[index]);
-            drop(faces_, index);
+            boundary_.unlist_at(faces_, index);
         }
         return drawn == Drawn::proposal;
-    }
-
-    static void drop(std::vector<int>& list, int index) {
-        list[index] = list.back();
-        list.pop_back();
     }
 
     void relabel(const Move& move, int from, int to) {

@@ -7,6 +7,12 @@
 
 namespace spheroseg {
 
+/// Takes the entry at `index` out of a list; the last one comes to its place.
+inline void take_out(std::vector<int>& list, std::size_t index) {
+    list[index] = list.back();
+    list.pop_back();
+}
+
 /// The faces that may touch another sub-mesh: all that do, and some that did.
 class BoundaryFaces {
 public:
@@ -21,6 +27,11 @@ public:
 
     /// Forgets a face that touches no other sub-mesh; the caller takes it from its list.
     void unlist(int face) { listed_[face] = 0; }
+    /// The same for the face at `index` of a list, and takes it out of there.
+    void unlist_at(std::vector<int>& faces, std::size_t index) {
+        unlist(faces[index]);
+        take_out(faces, index);
+    }
 
     /// Appends to `faces` a face that left sub-mesh `label` and its neighbours that are still in
     /// it.

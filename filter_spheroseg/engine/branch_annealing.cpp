@@ -71,9 +71,7 @@ private:
             }
         }
         if (count == 0) {
-            boundary_.unlist(face);
-            faces[at] = faces.back();
-            faces.pop_back();
+            boundary_.unlist_at(faces, at);
             return;
         }
         const int to = across[random_.below(count)];

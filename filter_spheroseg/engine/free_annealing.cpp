@@ -36,9 +36,7 @@ private:
             others += across[c] >= 0 && across[c] != from;
         }
         if (others == 0) {
-            boundary_.unlist(face);
-            faces_[index] = faces_.back();
-            faces_.pop_back();
+            boundary_.unlist_at(faces_, index);
             return;
         }
         int choice = static_cast<int>((bits & 0xFFFF) * others >> 16);

@@ -39,8 +39,7 @@ public:
             if (touches) {
                 ++i;
             } else {
-                faces[i] = faces.back();
-                faces.pop_back();
+                take_out(faces, i);
             }
         }
     }
