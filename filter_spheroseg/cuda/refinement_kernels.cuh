@@ -4,6 +4,7 @@
 // Refinement: Algorithms 3 and 4. As in cohesion_kernels.cuh, the tests compile this source for the
 // host too.
 
+#include "refinement_cost.h"
 #include "round_tiles.h"
 #include "swap_arrays.h"
 
@@ -11,119 +12,10 @@ namespace spheroseg::cuda {
 
 namespace { // the tests' emulation has kernels of the same names
 
-/// Eq. 1 of a face with a label that none of its three neighbours has, which is the most.
-constexpr int kStrangerCost = 9;
-/// Of faces that take no part.
-constexpr signed char kNoCandidate = -64;
-
-/// Labels as they would be if the faces a and b exchanged theirs; with a == b, as they are.
-struct ExchangedLabels {
-    const int* labels;
-    int a;
-    int b;
-    __device__ int operator()(int face) const {
-        return labels[face == a ? b : face == b ? a : face];
-    }
-};
-
-__device__ inline int
-boundary_sides(const int* neighbors, const ExchangedLabels& label_of, int face, int submesh) {
-    int count = 0;
-    for (int side = 0; side < 3; ++side) {
-        const int neighbor = neighbors[3 * face + side];
-        count += neighbor >= 0 && label_of(neighbor) != submesh;
-    }
-    return count;
-}
-
-/// Eq. 1. With `face_joins`, of the face if it alone had the label `submesh`, not its own.
-__device__ inline int face_cost(const int* neighbors,
-                                const ExchangedLabels& label_of,
-                                int face,
-                                int submesh,
-                                bool face_joins = false) {
-    const int own = boundary_sides(neighbors, label_of, face, submesh);
-    int cost = own * own;
-    for (int side = 0; side < 3; ++side) {
-        const int neighbor = neighbors[3 * face + side];
-        if (neighbor >= 0 && label_of(neighbor) == submesh) {
-            const int sides =
-                boundary_sides(neighbors, label_of, neighbor, submesh) - (face_joins ? 1 : 0);
-            cost += sides * sides;
-        }
-    }
-    return cost;
-}
-
-/// The most by which Eq. 1 of a face can fall in any swap (see the engine's refinement).
-__device__ inline signed char gain_bound(const int* neighbors, const int* labels, int face) {
-    const int label = labels[face];
-    const ExchangedLabels as_they_are{labels, face, face};
-    if (boundary_sides(neighbors, as_they_are, face, label) == 0) {
-        return kNoCandidate;
-    }
-    int least = kStrangerCost;
-    for (int side = 0; side < 3; ++side) {
-        const int neighbor = neighbors[3 * face + side];
-        if (neighbor < 0 || labels[neighbor] == label) {
-            continue;
-        }
-        const int other = labels[neighbor];
-        const int joined = face_cost(neighbors, as_they_are, face, other, true);
-        const int exchanged = face_cost(neighbors, {labels, face, neighbor}, face, other);
-        least = joined < least ? joined : least;
-        least = exchanged < least ? exchanged : least;
-    }
-    return static_cast<signed char>(face_cost(neighbors, as_they_are, face, label) - least);
-}
-
-__device__ inline bool touches(const int* neighbors, const int* labels, int face, int submesh) {
-    for (int side = 0; side < 3; ++side) {
-        const int neighbor = neighbors[3 * face + side];
-        if (neighbor >= 0 && labels[neighbor] == submesh) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// Algorithm 3, with e3 and e4 on the labels after the swap.
-__device__ inline bool refining_swap(const int* neighbors, const int* labels, int a, int b) {
-    const int label_a = labels[a];
-    const int label_b = labels[b];
-    if (label_a == label_b ||
-        !(touches(neighbors, labels, a, label_b) || touches(neighbors, labels, b, label_a))) {
-        return false;
-    }
-    const ExchangedLabels before{labels, a, a};
-    const ExchangedLabels after{labels, a, b};
-    return face_cost(neighbors, before, a, label_a) + face_cost(neighbors, before, b, label_b) >
-        face_cost(neighbors, after, a, label_b) + face_cost(neighbors, after, b, label_a);
-}
-
 __device__ inline bool slot_wants_swap(const RefinementArrays& arrays, int round, int slot) {
     const ElementPair pair = slot_pair(arrays.face_count, round, slot);
     return pair.second >= 0 && arrays.bounds[pair.first] + arrays.bounds[pair.second] > 0 &&
-        refining_swap(arrays.neighbors, arrays.labels, pair.first, pair.second);
-}
-
-/// visit(f) for the face and all faces within two steps of it, some more than once.
-template <typename Visit>
-__device__ inline void visit_within_two_steps(const int* neighbors, int face, const Visit& visit) {
-    visit(face);
-    for (int side = 0; side < 3; ++side) {
-        const int neighbor = neighbors[3 * face + side];
-        if (neighbor < 0) {
-            continue;
-        }
-        visit(neighbor);
-        for (int next_side = 0; next_side < 3; ++next_side) {
-            const int next = neighbors[3 * neighbor + next_side];
-            if (next >= 0) {
-                visit(next);
-            }
-        }
-    }
+        swaps(arrays.neighbors, arrays.labels, pair.first, pair.second);
 }
 
 __global__ void __launch_bounds__(kScanThreads) measure_bounds(RefinementArrays arrays) {

@@ -20,13 +20,6 @@ constexpr long long kPairsPerReport = 1LL << 28;
 constexpr int kMinSlotsPerThread = 4096;
 constexpr int kBlockSize = 256;
 
-using GainBound = signed char;
-/// Eq. 1 of a face with a label that none of its three neighbours has. No face on a boundary can
-/// have more: with one boundary side 1 + 4 + 4, with two 4 + 4, with three 9.
-constexpr int kStrangerCost = 9;
-/// Of faces that take no part: sums with any other bound stay negative, and within a byte.
-constexpr GainBound kNoCandidate = -64;
-
 struct FacePair {
     int a;
     int b;
@@ -38,7 +31,7 @@ public:
         : dual_graph_(dual_graph), labels_(labels), schedule_(dual_graph.face_count()),
           bounds_(labels.size()), stamps_(labels.size(), 0) {
         for (int f = 0; f < dual_graph.face_count(); ++f) {
-            bounds_[f] = gain_bound(f);
+            bounds_[f] = gain_bound(dual_graph_, labels_.data(), f);
         }
     }
 
@@ -77,41 +70,6 @@ public:
     }
 
 private:
-    /// The most by which Eq. 1 of a face can fall in any swap. Its partner brings the label of one
-    /// of its neighbours, or one that none of them has. A partner that is not itself a neighbour
-    /// can only take faces of that label away from around it, which raises the cost; a partner that
-    /// is a neighbour is tried as it is. Two faces whose bounds sum to 0 or less do not swap.
-    GainBound gain_bound(int face) const {
-        const int label = labels_[face];
-        if (boundary_side_count(dual_graph_, labels_, face, label) == 0) {
-            return kNoCandidate;
-        }
-        int least = kStrangerCost;
-        for (int neighbor : dual_graph_.neighbors[face]) {
-            const int other = labels_[neighbor];
-            if (other != label) {
-                const SwappedLabels swapped(labels_, face, neighbor);
-                least = std::min({least,
-                                  cost_after_change(face, other),
-                                  refinement_cost(dual_graph_, swapped, face, other)});
-            }
-        }
-        return static_cast<GainBound>(refinement_cost(dual_graph_, labels_, face, label) - least);
-    }
-
-    /// Eq. 1 of `face` if it alone had the label `submesh`, which is not its own.
-    int cost_after_change(int face, int submesh) const {
-        const int own = boundary_side_count(dual_graph_, labels_, face, submesh);
-        int cost = own * own;
-        for (int neighbor : dual_graph_.neighbors[face]) {
-            if (labels_[neighbor] == submesh) {
-                const int sides = boundary_side_count(dual_graph_, labels_, neighbor, submesh) - 1;
-                cost += sides * sides;
-            }
-        }
-        return cost;
-    }
-
     /// Appends the pairs of a run that would swap, in the order of the slots.
     void decide(const PairRun& run, std::vector<FacePair>& decided) const {
         for (int begin = 0; begin < run.count; begin += kBlockSize) {
@@ -129,26 +87,12 @@ private:
                 continue;
             }
             for (int i = 0; i < count; ++i) {
-                if (bounds_a[i] + bounds_b[-i] > 0 && swaps(first + i, second - i)) {
+                if (bounds_a[i] + bounds_b[-i] > 0 &&
+                    swaps(dual_graph_, labels_.data(), first + i, second - i)) {
                     decided.push_back({first + i, second - i});
                 }
             }
         }
-    }
-
-    /// Algorithm 3. Where neither face has a neighbour with the other's label, both would get the
-    /// greatest cost that there is.
-    bool swaps(int a, int b) const {
-        const int label_a = labels_[a];
-        const int label_b = labels_[b];
-        return label_a != label_b && (touches(a, label_b) || touches(b, label_a)) &&
-            swap_gain(dual_graph_, labels_, a, b) > 0;
-    }
-
-    bool touches(int face, int submesh) const {
-        const auto& neighbors = dual_graph_.neighbors[face];
-        return labels_[neighbors[0]] == submesh || labels_[neighbors[1]] == submesh ||
-            labels_[neighbors[2]] == submesh;
     }
 
     long long commit(const std::vector<std::vector<FacePair>>& decided) {
@@ -172,23 +116,15 @@ private:
 
     bool is_near_stamped(int face) const {
         bool found = false;
-        visit_within_two_steps(face, [&](int f) { found = found || stamps_[f] == stamp_; });
+        visit_within_two_steps(
+            dual_graph_, face, [&](int f) { found = found || stamps_[f] == stamp_; });
         return found;
     }
 
     void update_bounds_near(int face) {
-        visit_within_two_steps(face, [&](int f) { bounds_[f] = gain_bound(f); });
-    }
-
-    /// Visits some faces more than once.
-    template <typename Visit> void visit_within_two_steps(int face, const Visit& visit) const {
-        visit(face);
-        for (int neighbor : dual_graph_.neighbors[face]) {
-            visit(neighbor);
-            for (int next : dual_graph_.neighbors[neighbor]) {
-                visit(next);
-            }
-        }
+        visit_within_two_steps(dual_graph_, face, [&](int f) {
+            bounds_[f] = gain_bound(dual_graph_, labels_.data(), f);
+        });
     }
 
     const DualGraph& dual_graph_;

@@ -111,7 +111,7 @@ TEST(RefinementCost, HandCountedOnATetrahedron) {
     EXPECT_EQ(boundary_side_count(graph, labels, 0, 1), 1);
     EXPECT_EQ(refinement_cost(graph, labels, 0, 0), 4 + 4);
     EXPECT_EQ(refinement_energy(graph, labels), 4 * 8);
-    EXPECT_EQ(swap_gain(graph, labels, 0, 2), 0);
+    EXPECT_EQ(swap_gain(graph, labels.data(), 0, 2), 0);
 }
 
 TEST(RefinementCost, GainIsTheFallOfEquationOneForNeighboursToo) {
@@ -119,7 +119,8 @@ TEST(RefinementCost, GainIsTheFallOfEquationOneForNeighboursToo) {
     const int face_count = mesh.graph.face_count();
     for (int a = 0; a < face_count; ++a) {
         for (int b = 0; b < face_count; ++b) {
-            EXPECT_EQ(swap_gain(mesh.graph, mesh.labels, a, b), fall(mesh.graph, mesh.labels, a, b))
+            EXPECT_EQ(swap_gain(mesh.graph, mesh.labels.data(), a, b),
+                      fall(mesh.graph, mesh.labels, a, b))
                 << a << " and " << b;
         }
     }
