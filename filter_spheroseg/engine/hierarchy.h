@@ -36,6 +36,17 @@ struct CollapseHierarchy {
 
     int step_count() const { return static_cast<int>(vertex.size()); }
     int round_count() const { return static_cast<int>(round_begin.size()) - 1; }
+
+    /// The star of a step: so many faces, these, and as many ring vertices.
+    int degree(int step) const { return star_begin[step + 1] - star_begin[step]; }
+    const int* star(int step) const { return star_faces.data() + star_begin[step]; }
+    const int* ring(int step) const { return ring_vertices.data() + star_begin[step]; }
+    /// Of the first or the last face of a star, which disappear: the face, and the one beside it in
+    /// the star, which takes its place.
+    int removed_face(int step, bool first) const {
+        return star(step)[first ? 0 : degree(step) - 1];
+    }
+    int heir_face(int step, bool first) const { return star(step)[first ? 1 : degree(step) - 2]; }
 };
 
 /// Collapses a closed manifold genus-0 mesh to a tetrahedron (4 base faces) in O(F log F), in

@@ -163,17 +163,6 @@ private:
     };
 
     int step_count() const { return hierarchy_.step_count(); }
-    const int* star(int step) const {
-        return hierarchy_.star_faces.data() + hierarchy_.star_begin[step];
-    }
-    int degree(int step) const {
-        return hierarchy_.star_begin[step + 1] - hierarchy_.star_begin[step];
-    }
-    /// Of the first or the last face of a star; `face_count_` or more: of a cap.
-    int removed_face(int step, bool first) const {
-        return star(step)[first ? 0 : degree(step) - 1];
-    }
-    int heir_face(int step, bool first) const { return star(step)[first ? 1 : degree(step) - 2]; }
     /// Cells when all steps of `round` and the later ones are undone.
     int cell_count(int round) const {
         const int step = hierarchy_.round_begin[round];
@@ -190,7 +179,7 @@ private:
         for (int step = step_count() - 1; step >= 0; --step) {
             cells_before_[step] = next;
             for (bool first : {true, false}) {
-                const int face = removed_face(step, first);
+                const int face = hierarchy_.removed_face(step, first);
                 if (face < face_count_) {
                     cell_of_face_[face] = next++;
                 }
@@ -205,10 +194,10 @@ private:
         std::vector<int> older_sibling(face_count_, -1);
         for (int step = step_count() - 1; step >= 0; --step) {
             for (bool first : {true, false}) {
-                const int face = removed_face(step, first);
+                const int face = hierarchy_.removed_face(step, first);
                 if (face < face_count_) {
                     const int cell = cell_of_face_[face];
-                    const int heir = cell_of_face_[heir_face(step, first)];
+                    const int heir = cell_of_face_[hierarchy_.heir_face(step, first)];
                     older_sibling[cell] = last_child[heir];
                     last_child[heir] = cell;
                 }
@@ -323,8 +312,8 @@ private:
     }
 
     void find_place(int step, bool first, Insertion& insertion) const {
-        const int face = removed_face(step, first);
-        const int heir_of_face = heir_face(step, first);
+        const int face = hierarchy_.removed_face(step, first);
+        const int heir_of_face = hierarchy_.heir_face(step, first);
         insertion.cell = face < face_count_ ? cell_of_face_[face] : -1;
         insertion.heir = heir_of_face < face_count_ ? cell_of_face_[heir_of_face] : -1;
         if (insertion.heir < 0) {
@@ -344,8 +333,7 @@ private:
 
     /// The vertex of the first or the last face of a star that is neither removed nor the target.
     int rim(int step, bool first) const {
-        const int begin = hierarchy_.star_begin[step];
-        return hierarchy_.ring_vertices[first ? begin + 1 : begin + degree(step) - 1];
+        return hierarchy_.ring(step)[first ? 1 : hierarchy_.degree(step) - 1];
     }
 
     void insert(int step, const Insertion& first, const Insertion& last) {
@@ -364,9 +352,10 @@ private:
             cells_[last.cell] = {{vertex, rim(step, false), target},
                                  {last.heir, last.beyond, first.cell}};
         }
-        for (int i = 1; i + 1 < degree(step); ++i) {
-            if (star(step)[i] < face_count_) {
-                LinkedTriangle& cell = cells_[cell_of_face_[star(step)[i]]];
+        for (int i = 1; i + 1 < hierarchy_.degree(step); ++i) {
+            const int face = hierarchy_.star(step)[i];
+            if (face < face_count_) {
+                LinkedTriangle& cell = cells_[cell_of_face_[face]];
                 cell.vertex[cell.corner(target)] = vertex;
             }
         }

@@ -56,9 +56,9 @@ RefiningMesh::Seam RefiningMesh::find_seam(int step) const {
 }
 
 void RefiningMesh::undo_step(int step, const Seam& seam) {
-    const int degree = star_size(step);
-    const int* const faces = star_faces(step);
-    const int* const ring = &hierarchy_.ring_vertices[hierarchy_.star_begin[step]];
+    const int degree = hierarchy_.degree(step);
+    const int* const faces = hierarchy_.star(step);
+    const int* const ring = hierarchy_.ring(step);
     const int v = hierarchy_.vertex[step];
     const int target = ring[0];
     const std::array<int, 2> sides = keeper_sides(step);
@@ -93,8 +93,8 @@ void RefiningMesh::undo_step(int step, const Seam& seam) {
 /// the round returned a face at the same edge, that one is the face beyond.
 void RefiningMesh::link_beyond(int step, const Seam& seam) {
     const std::array<int, 2> faces = keepers(step);
-    const std::array<int, 2> returned = {star_faces(step)[0],
-                                         star_faces(step)[star_size(step) - 1]};
+    const std::array<int, 2> returned = {hierarchy_.removed_face(step, true),
+                                         hierarchy_.removed_face(step, false)};
     for (int k = 0; k < 2; ++k) {
         if (seam.beyond[k] < 0) {
             continue;

@@ -53,15 +53,9 @@ private:
     int corner_of(int face, int vertex) const {
         return spheroseg::corner_of(faces_[face].vertices, vertex);
     }
-    int star_size(int step) const {
-        return hierarchy_.star_begin[step + 1] - hierarchy_.star_begin[step];
-    }
-    const int* star_faces(int step) const {
-        return &hierarchy_.star_faces[hierarchy_.star_begin[step]];
-    }
     /// The faces at which the first and the last of a star return.
     std::array<int, 2> keepers(int step) const {
-        return {star_faces(step)[1], star_faces(step)[star_size(step) - 2]};
+        return {hierarchy_.heir_face(step, true), hierarchy_.heir_face(step, false)};
     }
     std::array<int, 2> keeper_sides(int step) const;
     Seam find_seam(int step) const;
