@@ -24,6 +24,8 @@ Multilevel Multilevel::with_weights(const std::vector<int>& weights) const {
     return weighted;
 }
 
+/// The number of cells tells the level: two that have as many are linked alike, because collapses
+/// that take no face of the mesh away, in the middle of caps, change no link between others.
 const Level& Multilevel::level_of(const Patchwork& patchwork) const {
     return *std::find_if(levels_->levels.begin(), levels_->levels.end(), [&](const Level& level) {
         return level.cell_count() == patchwork.face_count();
