@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Exceptions of the package. Each message says what was expected, what was found, what to do."""
+"""Exceptions of the package, whose messages say what was expected, what was found, what to do; and
+how messages show names."""
+
+import os
+from pathlib import Path
 
 
 def one_line(message: str) -> str:
     """For logs and terminals, whatever names and libraries put into it."""
     return " ".join(message.split())
+
+
+def shown(path: str | Path) -> str:
+    """For tables and terminals: what is not UTF-8 is escaped."""
+    return os.fsencode(path).decode(errors="backslashreplace")
 
 
 class InputError(ValueError):

@@ -5,7 +5,6 @@ It makes room for what a header declares before it reads on, so that a header of
 ask for all memory or keep it busy for hours; and some damage ends the process.
 """
 
-import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spheroseg.counts import Counts
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, shown
 from spheroseg.obj_checks import obj_counts
 from spheroseg.ply_faces import (
     FILLING,
@@ -58,8 +57,9 @@ def check_name(path: Path) -> None:
     try:
         str(path).encode()
     except UnicodeEncodeError:
-        shown = os.fsencode(path).decode(errors="backslashreplace")
-        raise InputError(f"{shown}: the name is not UTF-8; rename the file or folder") from None
+        raise InputError(
+            f"{shown(path)}: the name is not UTF-8; rename the file or folder"
+        ) from None
 
 
 def checked_counts(path: Path) -> Counts:

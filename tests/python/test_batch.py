@@ -35,7 +35,7 @@ from processes import (
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
-from spheroseg import atomic, cores, workers
+from spheroseg import atomic, cores, digests, workers
 from spheroseg.batch import inputs, jobs, runner
 from spheroseg.cli import main
 from spheroseg.errors import InputError
@@ -364,13 +364,13 @@ def test_resume_does_again_what_another_plugin_did(tmp_path, monkeypatch):
     assert main([*arguments, "--resume"]) == 0
     assert record.stat().st_mtime_ns == before
     plugin = spheroseg.plugin_path()
-    assert rows(output)[0]["plugin"] == jobs.sha256(plugin)[:12]
+    assert rows(output)[0]["plugin"] == digests.sha256(plugin)[:12]
     # A byte after the end changes nothing that is loaded.
     (tmp_path / "other").write_bytes(plugin.read_bytes() + b"\0")
     monkeypatch.setenv("SPHEROSEG_PLUGIN", str(tmp_path / "other"))
     assert main([*arguments, "--resume"]) == 0
     assert record.stat().st_mtime_ns != before
-    assert rows(output)[0]["plugin"] == jobs.sha256(tmp_path / "other")[:12]
+    assert rows(output)[0]["plugin"] == digests.sha256(tmp_path / "other")[:12]
 
 
 @pytest.mark.parametrize(
@@ -765,10 +765,10 @@ def test_names_with_blanks_and_quotes_are_told_apart_in_the_manifest(tmp_path):
     output = tmp_path / "out"
     assert main(["batch", str(tmp_path / "in"), "-o", str(output), "--formats", "ply,npy"]) == 0
     for row in rows(output):
-        names, digests = shlex.split(row["outputs"]), row["output_sha256"].split()
+        names, expected = shlex.split(row["outputs"]), row["output_sha256"].split()
         assert [Path(name).suffix for name in names] == [".ply", ".npy"]
         assert {Path(name).stem for name in names} == {Path(row["mesh"]).stem}
-        assert [jobs.sha256(output / name) for name in names] == digests
+        assert [digests.sha256(output / name) for name in names] == expected
 
 
 def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):
@@ -783,7 +783,7 @@ def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):
     assert not list(small_disk.rglob("*.spheroseg-part"))
     for record in (small_disk / "out" / jobs.RECORD_FOLDER).glob("*.json"):
         for file, digest in json.loads(record.read_text())["outputs"].items():
-            assert jobs.sha256(small_disk / "out" / file) == digest
+            assert digests.sha256(small_disk / "out" / file) == digest
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ import pymeshlab
 import pytest
 from mesh_paths import SAMPLE_FOLDER
 
-from spheroseg import cli, file_checks, mesh_files, obj_checks
+from spheroseg import cli, digests, file_checks, mesh_files, obj_checks
 from spheroseg.batch import inputs, jobs
 from spheroseg.errors import InputError
 
@@ -901,7 +901,7 @@ def test_a_damaged_record_of_a_batch_means_that_the_mesh_is_done_again(tmp_path,
         b'"settings": {}', b'"settings": ' + json.dumps(job.settings()).encode()
     )
     content = content.replace(
-        b'"input_sha256": ""', f'"input_sha256": "{jobs.sha256(CUBE)}"'.encode()
+        b'"input_sha256": ""', f'"input_sha256": "{digests.sha256(CUBE)}"'.encode()
     )
     job.record_path().parent.mkdir()
     job.record_path().write_bytes(content)

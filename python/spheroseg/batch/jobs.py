@@ -5,18 +5,16 @@ The record `DIR/.records/NAME.json` is written after all results, so its presenc
 are whole. Everything a run needs to go on after a kill is in these records.
 """
 
-import hashlib
 import json
-import os
 import subprocess
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from spheroseg import __version__, atomic, plugin_path, workers
-from spheroseg.errors import InputError
-from spheroseg.file_checks import check_is_file
+from spheroseg import __version__, atomic, workers
+from spheroseg.digests import plugin_digest, sha256
+from spheroseg.errors import InputError, shown
 
 FORMATS = (".ply", ".npy", ".npz", ".glb")
 RECORD_FOLDER = ".records"
@@ -53,18 +51,6 @@ class Job:
         return {"options": self.options, "formats": list(self.formats), "version": self.version}
 
 
-def shown(path: str | Path) -> str:
-    """For tables and terminals: what is not UTF-8 is escaped."""
-    return os.fsencode(path).decode(errors="backslashreplace")
-
-
-def sha256(path: Path) -> str:
-    """Raises InputError where that is no file: a pipe or a device may be read without end."""
-    check_is_file(path)
-    with path.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
 def versions() -> dict[str, str]:
     """Of all that decides a result."""
     return {
@@ -72,11 +58,6 @@ def versions() -> dict[str, str]:
         "pymeshlab": metadata.version("pymeshlab"),
         "plugin": plugin_digest(),
     }
-
-
-def plugin_digest() -> str:
-    """Tells builds of the plugin apart."""
-    return sha256(plugin_path())[:12]
 
 
 def finished_record(job: Job) -> dict[str, Any] | None:

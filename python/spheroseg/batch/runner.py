@@ -30,11 +30,10 @@ from spheroseg.batch.jobs import (
     remember_results,
     remove_results,
     run_job,
-    shown,
     signal_running,
     undone_record,
 )
-from spheroseg.errors import InputError, one_line
+from spheroseg.errors import InputError, one_line, shown
 from spheroseg.file_checks import check_name
 from spheroseg.lock import locked
 

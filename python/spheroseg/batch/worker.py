@@ -22,10 +22,10 @@ from spheroseg.batch.jobs import (
     INTERRUPTED_EXIT,
     Job,
     remove_results,
-    sha256,
     store,
     versions,
 )
+from spheroseg.digests import sha256
 from spheroseg.errors import InputError, PluginError, one_line
 from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.ply import colour_properties, ply_bytes

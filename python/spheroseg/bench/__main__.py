@@ -9,12 +9,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from spheroseg import PluginError, load_plugin, workers
-from spheroseg.batch.jobs import plugin_digest
 from spheroseg.bench import meshes, records
 from spheroseg.bench.plan import METHODS, Plan, Run, sweep_runs
 from spheroseg.bench.runner import row_of, run_mesh
 from spheroseg.bench.statistics import COUNT_KINDS, Bar, Table, bars
 from spheroseg.cores import core_count
+from spheroseg.digests import plugin_digest
 from spheroseg.evaluate import environment
 from spheroseg.evaluate.judging import is_valid
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from spheroseg import mesh_files
 from spheroseg.batch.inputs import MESH_SUFFIXES
-from spheroseg.batch.jobs import sha256
+from spheroseg.digests import sha256
 from spheroseg.errors import InputError
 from spheroseg.file_checks import checked_counts
 

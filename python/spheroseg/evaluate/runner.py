@@ -10,8 +10,7 @@ from pathlib import Path
 
 from spheroseg import atomic, workers
 from spheroseg.batch.inputs import Source
-from spheroseg.batch.jobs import shown
-from spheroseg.errors import one_line
+from spheroseg.errors import one_line, shown
 from spheroseg.evaluate.folder import DOCUMENT, TABLE
 from spheroseg.evaluate.folder import files_of as report_files
 from spheroseg.evaluate.summary import summary
