@@ -33,6 +33,6 @@ def checked_graph(faces: np.ndarray, k: int, seed: int, graph: DualGraph | None)
     return graph
 
 
-def as_labels(labels) -> np.ndarray:
+def int32_labels(labels) -> np.ndarray:
     """A library's sequence of labels as an int32 array."""
     return np.asarray(labels, dtype=np.int32)

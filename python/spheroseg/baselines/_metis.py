@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines._common import checked_graph, int32_labels, require
 from spheroseg.dual_graph import DualGraph
 from spheroseg.errors import InputError
 
@@ -35,7 +35,7 @@ def partition(
         recursive=recursive,
         options=pymetis.Options(**options),
     )
-    return as_labels(result.vertex_part)
+    return int32_labels(result.vertex_part)
 
 
 def require_one_component(graph: DualGraph) -> None:

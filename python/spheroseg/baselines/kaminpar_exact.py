@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines._common import checked_graph, int32_labels, require
 from spheroseg.dual_graph import DualGraph
 
 
@@ -66,7 +66,7 @@ def partition(solver, kaminpar_graph, face_count: int, k: int, seed: int) -> np.
     floor, larger = divmod(face_count, k)
     limits = [floor + 1] * larger + [floor] * (k - larger)
     require("kaminpar").reseed(seed)
-    return as_labels(solver.compute_partition(kaminpar_graph, max_block_weights=limits))
+    return int32_labels(solver.compute_partition(kaminpar_graph, max_block_weights=limits))
 
 
 def metis_text(graph: DualGraph) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spheroseg.baselines._common import as_labels, checked_graph, require
+from spheroseg.baselines._common import checked_graph, int32_labels, require
 from spheroseg.dual_graph import DualGraph
 
 SLACK = 0.03
@@ -61,7 +61,7 @@ def partition(loaded, k: int, seed: int) -> np.ndarray:
     mtkahypar_graph, context = loaded
     mtkahypar.set_seed(seed)
     context.set_partitioning_parameters(k, SLACK, mtkahypar.Objective.CUT)
-    return as_labels(mtkahypar_graph.partition(context).get_partition())
+    return int32_labels(mtkahypar_graph.partition(context).get_partition())
 
 
 _initialized_threads: list[int] = []
