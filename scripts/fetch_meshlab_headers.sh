@@ -6,7 +6,8 @@
 # Ubuntu) source package. Prints the folder on the last line. Nothing is done twice.
 set -euo pipefail
 
-readonly root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
 readonly release=${1:-2025.07}
 readonly cache="$root/.cache"
 readonly target="$cache/meshlab-$release"

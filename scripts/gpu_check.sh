@@ -7,7 +7,7 @@
 # Exit status 0: everything that could run passed, and labels are those of the cores.
 set -uo pipefail
 
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
 out="${OUT:-$PWD/build/gpu_check}"
 build="${BUILD:-$PWD/build/gpu}"
 report="$out/gpu_check.md"

@@ -6,7 +6,8 @@
 # What is there already is left alone, so that a second run takes a moment.
 set -euo pipefail
 
-readonly root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
 readonly level="${1:-dev}"
 readonly venv="$root/.venv"
 

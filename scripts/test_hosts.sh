@@ -4,7 +4,8 @@
 # Usage: scripts/test_hosts.sh [RELEASE...], default all below. Environments are kept in .cache.
 set -euo pipefail
 
-readonly root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+readonly root
 cd "$root"
 
 say() { echo "hosts: $*"; }
