@@ -45,6 +45,7 @@ _GRACE_SECONDS = 2
 _IDLE_SECONDS = 10
 _POLL_SECONDS = 0.05
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
+_ARRIVAL_POLL_SECONDS = 0.2
 
 # Measures of the manifest: all single values that are the same on every run.
 _MEASURES = (
@@ -209,7 +210,7 @@ def _end_running(submitted: list[futures.Future]) -> None:
     while not all(future.done() for future in submitted):
         patient = time.monotonic() - began < _GRACE_SECONDS
         signal_running(signal.SIGINT if patient else signal.SIGKILL)
-        time.sleep(0.05)
+        futures.wait(submitted, timeout=_POLL_SECONDS)
 
 
 @contextlib.contextmanager
@@ -333,7 +334,7 @@ class _ResultsOfCluster:
             if time.monotonic() >= end:
                 self.patience = 0
                 return False
-            time.sleep(0.2)
+            time.sleep(_ARRIVAL_POLL_SECONDS)
         return True
 
 
