@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <string>
 
 namespace spheroseg {
 
@@ -27,6 +28,11 @@ Results quality_results(const Measures& measures) {
             {"disconnected_submesh_count", measures.disconnected_submesh_count},
             {"disk_count", measures.disk_count},
             {"boundary_edge_ratio", measures.boundary_edge_ratio}};
+}
+
+/// As in "1 sub-mesh" and "2 sub-meshes"; `plural`: what is added to `one`.
+std::string counted(int count, const std::string& one, const char* plural) {
+    return std::to_string(count) + " " + one + (count == 1 ? "" : plural);
 }
 
 } // namespace
@@ -71,11 +77,12 @@ Results parametrization_results(const ParametrizationQuality& quality, double se
 
 std::string summary(const Measures& measures) {
     std::ostringstream text;
-    text << measures.triangle_count << " triangles in " << measures.submesh_count
-         << " sub-meshes of " << measures.min_submesh_triangles << " to "
-         << measures.max_submesh_triangles << "; " << measures.boundary_edge_count
-         << " boundary edges, " << measures.bowtie_count << " bowties, "
-         << measures.disconnected_submesh_count << " disconnected sub-meshes";
+    text << counted(measures.triangle_count, "triangle", "s") << " in "
+         << counted(measures.submesh_count, "sub-mesh", "es") << " of "
+         << measures.min_submesh_triangles << " to " << measures.max_submesh_triangles << "; "
+         << counted(measures.boundary_edge_count, "boundary edge", "s") << ", "
+         << counted(measures.bowtie_count, "bowtie", "s") << ", "
+         << counted(measures.disconnected_submesh_count, "disconnected sub-mesh", "es");
     return text.str();
 }
 
@@ -83,7 +90,8 @@ std::string summary(const Segmentation& segmentation) {
     std::ostringstream text;
     text.precision(3);
     text << summary(segmentation.measures) << "; " << segmentation.cohesion_iterations
-         << " cohesion and " << segmentation.refinement_iterations << " refinement iterations, "
+         << " cohesion and "
+         << counted(segmentation.refinement_iterations, "refinement iteration", "s") << ", "
          << segmentation.total_seconds << " s";
     if (segmentation.component_count > 1) {
         text << "; " << segmentation.component_count << " components, which allow a difference of "
@@ -102,27 +110,24 @@ std::string shortcomings(const Segmentation& segmentation) {
     const Measures& measures = segmentation.measures;
     std::ostringstream text;
     const char* separator = "";
-    const auto add = [&](bool present, auto count, const char* what) {
+    const auto add = [&](bool present, const std::string& what) {
         if (present) {
-            text << separator << count << what;
+            text << separator << what;
             separator = ", ";
         }
     };
     const int difference = measures.max_triangle_count_difference;
     const int best = segmentation.best_max_triangle_count_difference;
     add(segmentation.balance == Balance::triangle_count && difference > 1,
-        difference,
-        difference <= best
-            ? " triangles between the largest and the smallest sub-mesh, the fewest that its "
-              "components allow"
-            : segmentation.may_be_balanced
-            ? " triangles between the largest and the smallest sub-mesh"
-            : " triangles between the largest and the smallest sub-mesh: no cut into so many "
-              "connected ones is balanced, as parts of the mesh hang on the rest by single edges");
+        std::to_string(difference) + " triangles between the largest and the smallest sub-mesh" +
+            (difference > best ? "" : ", the fewest that its components allow") +
+            (segmentation.may_be_balanced
+                 ? ""
+                 : " (no cut into so many connected ones is balanced, as parts of the mesh hang on "
+                   "the rest by single edges)"));
     add(measures.disconnected_submesh_count > 0,
-        measures.disconnected_submesh_count,
-        " sub-meshes in more than one piece");
-    add(measures.bowtie_count > 0, measures.bowtie_count, " bowties");
+        counted(measures.disconnected_submesh_count, "sub-mesh", "es") + " in more than one piece");
+    add(measures.bowtie_count > 0, counted(measures.bowtie_count, "bowtie", "s"));
     return text.str();
 }
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from spheroseg._plugin import apply_filter, load_plugin
 from spheroseg.arrays import as_face_weights, as_labels, as_mesh
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, counted
 
 SEGMENT_FILTER = "compute_scalar_by_balanced_segmentation_per_face"
 PARAMETRIZE_FILTER = "compute_spherical_parametrization_per_vertex"
@@ -222,9 +222,10 @@ def shortcomings(measures: dict[str, Any], balance: str = "triangle_count") -> s
         only = ", the fewest that its components allow"
         found.append(text if difference > best else text + only)
     if measures["disconnected_submesh_count"] > 0:
-        found.append(f"{measures['disconnected_submesh_count']} sub-meshes in more than one piece")
+        pieces = counted(measures["disconnected_submesh_count"], "sub-mesh", "es")
+        found.append(f"{pieces} in more than one piece")
     if measures["bowtie_count"] > 0:
-        found.append(f"{measures['bowtie_count']} bowties")
+        found.append(counted(measures["bowtie_count"], "bowtie", "s"))
     return ", ".join(found)
 
 

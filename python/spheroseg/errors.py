@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Exceptions of the package, whose messages say what was expected, what was found, what to do; and
-how messages show names."""
+how messages count and show names."""
 
 import os
 from pathlib import Path
@@ -9,6 +9,11 @@ from pathlib import Path
 def one_line(message: str) -> str:
     """For logs and terminals, whatever names and libraries put into it."""
     return " ".join(message.split())
+
+
+def counted(count: int, one: str, plural: str) -> str:
+    """As in "1 sub-mesh" and "2 sub-meshes"; `plural`: what is added to `one`."""
+    return f"{count} {one}{'' if count == 1 else plural}"
 
 
 def shown(path: str | Path) -> str:

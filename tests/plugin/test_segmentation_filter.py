@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import functools
 import math
 import os
 import re
@@ -278,13 +279,15 @@ mesh_set = document(vertices, faces)
 mesh_set.set_verbosity(True)
 result = mesh_set.apply_filter(SEGMENTATION, submesh_count={submesh_count})
 print("best", result["best_max_triangle_count_difference"])
+one = document(*small)
+one.set_verbosity(True)
+one.apply_filter(SEGMENTATION, submesh_count=1)
 """
 
 
-@pytest.mark.parametrize(("submesh_count", "difference"), [(3, 224), (17, 0)])
-def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_count, difference):
-    """Components of 512 and 32 triangles: in three sub-meshes 256, 256 and 32 is the best."""
-    # A process of its own: the host's log is whole when it has ended.
+@functools.cache
+def logged(submesh_count):
+    """In a process of its own: the host's log is whole when it has ended."""
     done = subprocess.run(
         [sys.executable, "-c", LOGGED.format(submesh_count=submesh_count)],
         env=dict(os.environ, PYTHONPATH=os.pathsep.join(path for path in sys.path if path)),
@@ -292,10 +295,23 @@ def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_cou
         text=True,
         check=True,
     )
-    assert f"best {difference}\n" in done.stdout
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("submesh_count", "difference"), [(3, 224), (17, 0)])
+def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_count, difference):
+    """Components of 512 and 32 triangles: in three sub-meshes 256, 256 and 32 is the best."""
+    said = logged(submesh_count)
+    assert f"best {difference}\n" in said
     warning = f"The result has {difference} triangles between the largest and the smallest"
-    assert (warning in done.stdout + done.stderr) == (difference > 1)
-    assert ("The result has" in done.stdout + done.stderr) == (difference > 1)
+    assert (warning in said) == (difference > 1)
+    assert ("The result has" in said) == (difference > 1)
+
+
+def test_the_log_counts_one_and_many():
+    said = logged(3)
+    assert "544 triangles in 3 sub-meshes of 32 to 256; " in said
+    assert "32 triangles in 1 sub-mesh of 32 to 32; 0 boundary edges, 0 bowties, " in said
 
 
 @pytest.mark.parametrize("number", [-1, 3])

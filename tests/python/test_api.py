@@ -19,7 +19,7 @@ from processes import run_python
 from shapes import bumpy_sphere, subdivided_sphere
 
 import spheroseg
-from spheroseg import _plugin
+from spheroseg import _plugin, api
 
 FILTERS = [
     "compute_scalar_by_balanced_segmentation_per_face",
@@ -550,6 +550,21 @@ def test_a_fork_waits_for_the_filter_of_another_thread(cube):
             os._exit(1)
         assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
         other.result()
+
+
+def test_shortcomings_count_one_and_many():
+    found = {
+        "max_triangle_count_difference": 3,
+        "best_max_triangle_count_difference": 1,
+        "disconnected_submesh_count": 1,
+        "bowtie_count": 2,
+    }
+    assert api.shortcomings(found) == (
+        "3 triangles between the largest and the smallest sub-mesh, "
+        "1 sub-mesh in more than one piece, 2 bowties"
+    )
+    found |= {"disconnected_submesh_count": 2, "bowtie_count": 1}
+    assert api.shortcomings(found).endswith(", 2 sub-meshes in more than one piece, 1 bowtie")
 
 
 def test_area_distortion_does_not_depend_on_the_unit(cube):

@@ -7,6 +7,7 @@ OUT.npz holds the arrays that docs/export.md lists, OUT.glb one primitive per su
 from pathlib import Path
 
 from spheroseg.commands import labelled, shared
+from spheroseg.errors import counted
 from spheroseg.export import FORMATS, export, gltf_library
 
 
@@ -26,5 +27,6 @@ def run(arguments) -> int:
     submeshes = mesh.submeshes
     export(submeshes, Path(arguments.output), mesh.face_colours)
     bits = 8 * submeshes.triangles.dtype.itemsize
-    print(f"{submeshes.count} sub-meshes with {bits}-bit indices in {arguments.output}")
+    count = counted(submeshes.count, "sub-mesh", "es")
+    print(f"{count} with {bits}-bit indices in {arguments.output}")
     return 0

@@ -8,7 +8,7 @@ MESH. DIR/manifest.json names each file with its counts and its neighbours.
 from pathlib import Path
 
 from spheroseg.commands import labelled, shared
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, counted
 from spheroseg.split import MANIFEST_NAME, write_split
 
 
@@ -31,5 +31,6 @@ def run(arguments) -> int:
         mesh.face_colours,
         mesh.vertex_colours,
     )
-    print(f"{mesh.submeshes.count} sub-meshes in {folder} ({MANIFEST_NAME} lists them)")
+    count = counted(mesh.submeshes.count, "sub-mesh", "es")
+    print(f"{count} in {folder} ({MANIFEST_NAME} lists them)")
     return 0
