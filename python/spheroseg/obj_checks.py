@@ -78,6 +78,8 @@ def obj_counts(path: Path) -> Counts:
         triangle_count += _read(path, block, place, kinds)
         place += len(block)
     vertex, texture, normal = kinds
+    if vertex.count == 0:
+        raise InputError(f"{path}: has no vertices; it is empty, damaged, or no OBJ file")
     vertex.check(path)
     if texture.count > 0:
         texture.check(path)

@@ -211,6 +211,13 @@ def test_a_comment_behind_an_obj_face_is_refused(outcome, comment):
     assert "line 6: a face has a comment" in result[1]
 
 
+@pytest.mark.parametrize("content", [b"", b"# nothing\n", b"f 1 2 3\n"])
+def test_an_obj_without_vertices_is_called_that(outcome, content):
+    result = outcome("obj", content)
+    assert_refused(result)
+    assert "mesh.obj: has no vertices; it is empty, damaged, or no OBJ file" in result[1]
+
+
 def test_comments_elsewhere_in_an_obj_are_none_of_its_faces(outcome):
     content = "# f 9 9 9\n" + TETRAHEDRON.replace("v 1 0 0", "v 1 0 0 # f 9") + "f 2 4 3\n#end"
     assert outcome("obj", content.encode()) == (0, "")
