@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads and writes meshes and labels so that face i stays face i."""
 
+import contextlib
 import errno
 import io
 import os
@@ -13,7 +14,7 @@ import pymeshlab
 
 from spheroseg import atomic, workers
 from spheroseg._plugin import forget_failed_call
-from spheroseg.errors import InputError
+from spheroseg.errors import InputError, counted
 from spheroseg.file_checks import (
     CHECKED_SUFFIXES,
     check_is_file,
@@ -25,6 +26,7 @@ from spheroseg.textures import copy_textures
 
 _NOT_FOUND = ("File does not exist", "Can't open file")
 _LONGEST_REASON = 300
+_LONGEST_WORD = 80
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
 
 
@@ -208,9 +210,41 @@ def _read_numbers(path: str | os.PathLike, name: str) -> np.ndarray:
             warnings.simplefilter("error")  # an empty file, a size that overflows
             if path.suffix.lower() == ".npy":
                 return _read_npy(path)
-            return np.loadtxt(path, dtype=np.float64, ndmin=1, encoding="utf-8-sig")
+            return _read_text(path)
     except (ValueError, EOFError, OverflowError, Warning) as error:
         raise InputError(f"{path}: is no file of {name}: {error}") from None
+
+
+def _read_text(path: Path) -> np.ndarray:
+    try:
+        return np.loadtxt(path, dtype=np.float64, ndmin=1, encoding="utf-8-sig")
+    except (ValueError, UserWarning):
+        # numpy counts rows, some of them from 0, without empty lines and comments.
+        with contextlib.suppress(UnicodeDecodeError):  # of a compressed file
+            _check_text(path)
+        raise
+
+
+def _check_text(path: Path) -> None:
+    """Raises ValueError for a line with what is no number, or of another length than the others."""
+    expected = None
+    with path.open(encoding="utf-8-sig") as lines:
+        for number, line in enumerate(lines, 1):
+            words = line.split("#")[0].split()
+            for word in words:
+                try:
+                    float(word.replace("_", "?"))  # of 1_000, which is none to numpy
+                except ValueError:
+                    shown = word[:_LONGEST_WORD]
+                    raise ValueError(f"line {number}: expected a number, found '{shown}'") from None
+            expected = expected or len(words)
+            if words and len(words) != expected:
+                raise ValueError(
+                    f"line {number}: expected {counted(expected, 'number', 's')} as in the lines "
+                    f"before, found {len(words)}"
+                )
+    if not expected:
+        raise ValueError("it holds no numbers")
 
 
 def _read_npy(path: Path) -> np.ndarray:

@@ -135,9 +135,16 @@ def test_weights_that_would_change_nothing_are_refused(
 
 def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
     path = tmp_path / "weights.txt"
-    path.write_text("1\nheavy\n")
-    assert cli.main(["segment", str(LEAF), "--balance", "weight", "--weights", str(path)]) == 2
-    assert f"{path}: is no file of weights: " in capsys.readouterr().err
+    for text, reason in (
+        ("1\nheavy\n", "line 2: expected a number, found 'heavy'"),
+        ("# areas\n1\n\n2\n1_0 3\n", "line 5: expected a number, found '1_0'"),
+        ("1\n\n2 # two\n3 4\n", "line 4: expected 1 number as in the lines before, found 2"),
+        ("1 2\n3\n", "line 2: expected 2 numbers as in the lines before, found 1"),
+        ("# none\n\n", "it holds no numbers"),
+    ):
+        path.write_text(text)
+        assert cli.main(["segment", str(LEAF), "--balance", "weight", "--weights", str(path)]) == 2
+        assert f"{path}: is no file of weights: {reason}\n" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["metis_kway", "metis_recursive", "region_growing"])
