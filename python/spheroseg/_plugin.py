@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds the MeshLab plugin, loads it into PyMeshLab and binds its filters."""
 
+import atexit
+import contextlib
 import os
 import re
+import signal
 import threading
 from pathlib import Path
 from typing import Any
@@ -49,6 +52,28 @@ os.register_at_fork(
     after_in_child=_one_at_a_time.release,
 )
 _of_this_thread = threading.local()
+# The thread that ends this process, once it does.
+_ending_thread: int | None = None
+_CANCEL_SECONDS = 0.1
+
+
+@atexit.register
+def _end_filters() -> None:
+    """Python ends daemon threads where they are; one that comes back from a filter then would abort
+    the process. So a filter that runs is cancelled, or waited for where a signal's handler that is
+    not Python's own would be called for that, and daemon threads begin no other."""
+    global _ending_thread
+    _ending_thread = threading.get_ident()
+    while not _one_at_a_time.acquire(timeout=_CANCEL_SECONDS):
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            with contextlib.suppress(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+    _one_at_a_time.release()
+
+
+def _is_ended() -> bool:
+    """Is this a daemon thread of a process that ends?"""
+    return _ending_thread not in (None, threading.get_ident())
 
 
 def plugin_path() -> Path:
@@ -104,6 +129,8 @@ def apply_filter(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, A
     size that PyMeshLab does not take, PluginError where the filter would never end.
     """
     with _one_at_a_time:
+        if _is_ended():
+            raise SystemExit  # in silence
         if parameters.get("thread_count") != 1:
             _refuse_after_fork()
         try:
@@ -116,7 +143,7 @@ def apply_filter(mesh_set: pymeshlab.MeshSet, name: str, parameters: dict[str, A
                 forget_failed_call()
                 raise raised from None
             if _CANCELLED in str(error):
-                raise KeyboardInterrupt from None
+                raise SystemExit if _is_ended() else KeyboardInterrupt from None
             raise
         except RuntimeError:
             forget_failed_call()

@@ -552,6 +552,35 @@ def test_a_fork_waits_for_the_filter_of_another_thread(cube):
         other.result()
 
 
+DAEMONS = """
+import atexit, sys, threading, time
+calls = []
+atexit.register(lambda: print(len(calls)))  # after what the package does then
+import spheroseg
+from shapes import bumpy_sphere
+from spheroseg import _plugin
+
+arrays = bumpy_sphere(int(sys.argv[1]), 0)
+
+def call():
+    while True:
+        calls.append(spheroseg.segment(*arrays, 10, effort=sys.argv[2]))
+
+for _ in range(2):
+    threading.Thread(target=call, daemon=True).start()
+while len(calls) < int(sys.argv[3]) or not _plugin._one_at_a_time.locked():
+    time.sleep(0.001)
+"""
+
+
+@pytest.mark.parametrize("case", [(2, "draft", 3), (6, "high", 0)], ids=["short", "long"])
+def test_calls_in_daemon_threads_end_with_the_program(case):
+    done = run_python("-c", DAEMONS, *case, PYTHONPATH=os.pathsep.join(sys.path))
+    assert (done.returncode, done.stderr) == (0, "")
+    finished = int(done.stdout)
+    assert finished >= 3 if case[0] == 2 else finished == 0  # the long one, of some 10 s
+
+
 def test_shortcomings_count_one_and_many():
     found = {
         "max_triangle_count_difference": 3,
