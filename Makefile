@@ -14,6 +14,8 @@ CPP_FILES = $(shell git ls-files 'filter_spheroseg/*.h' 'filter_spheroseg/*.cpp'
 	'filter_spheroseg/*.cuh' 'tests/*.h' 'tests/*.cpp' 'tools/*.h' 'tools/*.cpp')
 export PYTHONPATH := $(CURDIR)/python
 export CCACHE_DIR ?= $(CURDIR)/.cache/ccache
+# Where bytecode must not be written, each of hundreds of processes compiles what it imports.
+export PYTHONDONTWRITEBYTECODE :=
 
 help:
 	@echo "make demo        set up, build, segment a mesh and make a picture of it (out/demo)"
