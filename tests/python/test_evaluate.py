@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import functools
 import gzip
 import json
 import math
@@ -162,28 +163,37 @@ def test_same_inputs_give_the_same_rows_except_times(evaluation, tmp_path):
     assert without_times[0] == without_times[1]
 
 
-@pytest.mark.parametrize("seed_count", [2, 3])
-def test_of_several_seeds_the_row_is_the_run_with_the_median_boundary(tmp_path, seed_count):
-    write_inputs(tmp_path / "in")
-    sources = inputs.collect([str(tmp_path / "in" / "first.ply")])
+@pytest.fixture(scope="module")
+def grown(tmp_path_factory):
+    """The row of region growing on one mesh, and its folder, by first seed and number of seeds."""
+    folder = tmp_path_factory.mktemp("grown")
+    write_inputs(folder / "in")
+    sources = inputs.collect([str(folder / "in" / "first.ply")])
 
-    def the_row(name: str, seed: int, seed_count: int) -> dict:
+    @functools.cache
+    def run(seed: int, seed_count: int) -> tuple[dict, Path]:
+        output = folder / f"{seed_count} from {seed}"
         plan = Plan((16,), ("region_growing",), seed, seed_count, all_pairs_limit=0)
-        ((row,), _) = runner.evaluate(sources, plan, tmp_path / name, lambda *_: None)
-        return row
+        ((row,), _) = runner.evaluate(sources, plan, output, lambda *_: None)
+        return row, output
 
-    single = [the_row(f"seed {seed}", seed, 1) for seed in range(4, 4 + seed_count)]
+    return run
+
+
+@pytest.mark.parametrize("seed_count", [2, 3])
+def test_of_several_seeds_the_row_is_the_run_with_the_median_boundary(grown, seed_count):
+    single = [grown(seed, 1)[0] for seed in range(4, 4 + seed_count)]
     single.sort(key=lambda row: row["boundary_edge_count"])
     assert single[0]["boundary_edge_count"] < single[1]["boundary_edge_count"]
     assert [row["valid_run_count"] for row in single] == [0] * seed_count
-    several = the_row("several", 4, seed_count)
+    several, output = grown(4, seed_count)
     assert several["run_count"] == seed_count
     # The second of three, the first of two.
     median = single[seed_count - 2]
     for key in set(median) - {*TIMES, "run_count"}:
         assert several[key] == median[key], key
-    with np.load(tmp_path / "several" / "labels" / "first.npz") as arrays:
-        labels = np.load(tmp_path / "several" / "labels" / several["labels"])
+    with np.load(output / "labels" / "first.npz") as arrays:
+        labels = np.load(output / "labels" / several["labels"])
         expected = recount.measures(arrays["faces"], labels)
     assert several["boundary_edge_count"] == expected["boundary_edge_count"]
 
@@ -298,22 +308,26 @@ def test_a_mesh_that_can_not_be_read_leaves_no_folder(tmp_path, capsys):
     assert sorted(tmp_path.rglob("*")) == [path, tmp_path / "there"]
 
 
-@pytest.mark.parametrize("scale", [1e200, 1e-310])
-def test_a_mesh_of_any_size_is_shown_alike(tmp_path, scale):
+def test_meshes_of_any_size_are_shown_alike(tmp_path):
     vertices, faces = bumpy_sphere(1, 0)
+    scales = {"one": 1.0, "large": 1e200, "small": 1e-310}
+    for name, scale in scales.items():
+        (tmp_path / f"{name}.ply").write_bytes(ply_bytes(vertices * scale, faces))
+    meshes = [str(tmp_path / f"{name}.ply") for name in scales]
+    arguments = ["evaluate", *meshes, "-o", str(tmp_path / "out"), "--methods", "all_pairs"]
+    assert main([*arguments, "-k", *map(str, COUNTS)]) == 0
+    page = (tmp_path / "out" / "report.html").read_text()
     shown = []
-    for name, points in (("one", vertices), ("scaled", vertices * scale)):
-        path = tmp_path / f"{name}.ply"
-        path.write_bytes(ply_bytes(points, faces))
-        assert evaluate(path, tmp_path / name, methods=("all_pairs",)) == 0
-        page = (tmp_path / name / "report.html").read_text()
-        data = base64.b64decode(re.search(r'id="positions-0"[^>]*>([^<]+)<', page)[1])
+    for number, name in enumerate(scales):
+        data = base64.b64decode(re.search(rf'id="positions-{number}"[^>]*>([^<]+)<', page)[1])
         positions = np.frombuffer(gzip.decompress(data), "<f4").reshape(-1, 3)
-        picture = (tmp_path / name / "pictures" / f"{name}-k5-all_pairs.png").read_bytes()
+        picture = (tmp_path / "out" / "pictures" / f"{name}-k5-all_pairs.png").read_bytes()
         shown.append((positions, picture))
-    assert np.abs(shown[0][0]).max() == 1
-    assert np.allclose(shown[0][0], shown[1][0], rtol=0, atol=1e-6)
-    assert shown[0][1] == shown[1][1]
+    one, *others = shown
+    assert np.abs(one[0]).max() == 1
+    for positions, picture in others:
+        assert np.allclose(one[0], positions, rtol=0, atol=1e-6)
+        assert picture == one[1]
 
 
 def test_a_name_with_dollar_signs_is_no_formula():
