@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import contextlib
-import csv
 import dataclasses
 import errno
 import fcntl
@@ -15,20 +14,17 @@ import signal
 import socket
 import subprocess
 import sys
-import time
-from concurrent import futures
 from pathlib import Path
 
 import numpy as np
 import pymeshlab
 import pytest
+from batches import rows, run_batch, start_batch, wait_for_records, write_finned, write_mesh
 from colours import bytes_of_linear
 from processes import (
     children,
-    environment,
     has_plugin,
     is_running,
-    read_or_nothing,
     run_shell,
     wait_until,
 )
@@ -41,44 +37,20 @@ from spheroseg.cli import main
 from spheroseg.errors import InputError
 from spheroseg.ply import ply_bytes
 
-GOOD, BROKEN = 12, 3
-
-
-def write_mesh(path: Path, seed: int = 0, levels: int = 2) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(ply_bytes(*bumpy_sphere(levels, seed)))
+GOOD, BROKEN = 8, 3
 
 
 @pytest.fixture(scope="module")
 def folder_of_meshes(tmp_path_factory) -> Path:
-    """Twelve closed meshes and three broken ones: no mesh file, one with a fin, a truncated one."""
+    """Eight closed meshes and three broken ones: no mesh file, one with a fin, a truncated one."""
     folder = tmp_path_factory.mktemp("meshes")
     for index in range(GOOD):
         write_mesh(folder / f"part{index % 4}" / f"mesh{index:02d}.ply", seed=index)
     (folder / "part0" / "nonsense.ply").write_text("no mesh")
-    vertices, faces = octahedron()
-    finned = np.vstack([vertices, [[3.0, 3.0, 3.0]]]), np.vstack([faces, [[*faces[0][:2], 6]]])
-    (folder / "part1" / "fin.ply").write_bytes(ply_bytes(*finned))
+    write_finned(folder / "part1" / "fin.ply")
     whole = ply_bytes(*bumpy_sphere(2, 0))
     (folder / "part2" / "cut.ply").write_bytes(whole[: len(whole) // 2])
     return folder
-
-
-def start_batch(*arguments) -> subprocess.Popen:
-    return subprocess.Popen(
-        [sys.executable, "-m", "spheroseg", "batch", *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
-        env=environment(),
-    )
-
-
-def run_batch(*arguments) -> tuple[int, str, str]:
-    process = start_batch(*arguments)
-    said, complained = process.communicate()
-    return process.returncode, said, complained
 
 
 @pytest.fixture(scope="module")
@@ -88,23 +60,6 @@ def undisturbed(folder_of_meshes, tmp_path_factory) -> tuple[Path, str]:
     assert code == 1
     assert f"{GOOD} of {GOOD + BROKEN} meshes done" in said
     return output, complained
-
-
-def rows(output: Path) -> list[dict[str, str]]:
-    with (output / "manifest.csv").open(newline="") as stream:
-        return list(csv.DictReader(stream))
-
-
-def record_count(output: Path) -> int:
-    return sum(1 for _ in (output / jobs.RECORD_FOLDER).rglob("[!.]*.json"))
-
-
-def wait_for_records(output: Path, count: int, process: subprocess.Popen) -> None:
-    def there() -> bool:
-        assert process.poll() is None, process.stderr.read()
-        return record_count(output) >= count
-
-    wait_until(there)
 
 
 def test_broken_meshes_cost_one_line_each_and_the_others_are_done(undisturbed):
@@ -784,287 +739,6 @@ def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):
     for record in (small_disk / "out" / jobs.RECORD_FOLDER).glob("*.json"):
         for file, digest in json.loads(record.read_text())["outputs"].items():
             assert digests.sha256(small_disk / "out" / file) == digest
-
-
-@contextlib.contextmanager
-def dask(*arguments, python_path=Path(spheroseg.__file__).parents[1]):
-    process = subprocess.Popen(
-        [sys.executable, "-m", "dask", *map(str, arguments)],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        env=dict(os.environ, PYTHONPATH=str(python_path)),
-        start_new_session=True,
-    )
-    try:
-        yield process
-    finally:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-
-
-def test_dask_cluster_loses_a_worker_but_no_mesh(folder_of_meshes, undisturbed, tmp_path):
-    distributed = pytest.importorskip("distributed")
-    address_file = tmp_path / "scheduler.json"
-    output = tmp_path / "out"
-    part = folder_of_meshes / "part1"  # three good meshes and the one with a fin
-    worker = ("worker", "--scheduler-file", address_file, "--nthreads", 1, "--no-dashboard")
-    scheduler = ("scheduler", "--port", 0, "--scheduler-file", address_file, "--no-dashboard")
-    without_us = tmp_path / "without_us"
-    without_us.mkdir()
-    (without_us / "spheroseg.py").write_text(
-        "raise ImportError('the scheduler needs no spheroseg')"
-    )
-    with (
-        dask(*scheduler, python_path=without_us),
-        dask(*worker) as first,
-        dask(*worker),
-    ):
-        wait_until(lambda: read_or_nothing(address_file))
-        address = json.loads(address_file.read_text())["address"]
-        with distributed.Client(address, set_as_default=False) as client:
-            client.wait_for_workers(2, timeout=60)
-        process = start_batch(part, "-o", output, "-k", 5, "--scheduler", address)
-        wait_for_records(output, 1, process)
-        os.killpg(first.pid, signal.SIGKILL)
-        said, _ = process.communicate(timeout=120)
-    assert "3 of 4 meshes done" in said
-    expected = [row for row in rows(undisturbed[0]) if "/part1/" in row["mesh"]]
-    for row in expected:
-        row["outputs"] = row["outputs"].removeprefix("part1/")
-    assert rows(output) == expected
-
-
-@contextlib.contextmanager
-def dask_cluster(folder: Path, *worker_arguments):
-    """The address of a scheduler, a function that starts its only worker, and its process."""
-    file = folder / "scheduler.json"
-    worker = ("worker", "--scheduler-file", file, "--nthreads", 1, "--no-dashboard")
-    with contextlib.ExitStack() as running:
-        scheduler = ("scheduler", "--port", 0, "--scheduler-file", file, "--no-dashboard")
-        process = running.enter_context(dask(*scheduler))
-        wait_until(lambda: read_or_nothing(file))
-
-        def start_worker():
-            return running.enter_context(dask(*worker, *worker_arguments))
-
-        yield json.loads(file.read_text())["address"], start_worker, process
-
-
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_lost_scheduler_ends_the_run_with_what_is_done(number, tmp_path):
-    pytest.importorskip("distributed")
-    write_mesh(tmp_path / "in" / "a.ply")
-    for name in ("b", "c"):
-        write_mesh(tmp_path / "in" / f"{name}.ply", levels=7)
-    output = tmp_path / "out"
-    arguments = [tmp_path / "in", "-o", output, "-k", 20, "--effort", "high"]
-    with dask_cluster(tmp_path) as (address, start_worker, scheduler):
-        start_worker()
-        process = start_batch(*arguments, "--scheduler", address)
-        wait_for_records(output, 1, process)
-        scheduler.send_signal(number)
-        said, complained = process.communicate(timeout=120)
-    assert process.returncode == 1, complained
-    assert complained == (
-        f"spheroseg batch: the Dask scheduler at {address} was lost, or has cancelled the work; go "
-        "on with --resume\n"
-    )
-    assert "1 of 3 meshes done" in said
-    assert [row["status"] for row in rows(output)] == ["done", "undone", "undone"]
-    for name in ("b", "c"):
-        write_mesh(tmp_path / "in" / f"{name}.ply")
-    code, said, _ = run_batch(*arguments, "--resume")
-    assert (code, "3 of 3 meshes done" in said) == (0, True)
-
-
-def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on(
-    tmp_path, monkeypatch, capsys
-):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(runner, "_IDLE_SECONDS", 0.5)
-    for name in ("a", "b"):
-        write_mesh(tmp_path / "in" / f"{name}.ply")
-    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "3"]
-    said = []
-    with (
-        futures.ThreadPoolExecutor() as pool,
-        dask_cluster(tmp_path) as (address, start_worker, _),
-    ):
-        code = pool.submit(main, [*arguments, "--scheduler", address])
-        wait_until(lambda: said.append(capsys.readouterr().err) or any(said))
-        start_worker()
-        assert code.result(60) == 0
-        assert main([*arguments, "--resume", "--scheduler", address]) == 0
-    assert "".join(said) + capsys.readouterr().err == (
-        f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
-        f"start one: dask worker {address}\n"
-    )
-
-
-def test_a_cluster_that_loses_all_workers_is_said_and_the_run_goes_on_with_another(
-    tmp_path, monkeypatch, capsys
-):
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(runner, "_IDLE_SECONDS", 2)
-    write_mesh(tmp_path / "in" / "a.ply")
-    for name in ("b", "c"):
-        write_mesh(tmp_path / "in" / f"{name}.ply", levels=7)
-    output = tmp_path / "out"
-    arguments = ["batch", str(tmp_path / "in"), "-o", str(output), "-k", "20", "--effort", "high"]
-    complained = []
-    with (
-        futures.ThreadPoolExecutor() as pool,
-        dask_cluster(tmp_path) as (address, start_worker, _),
-    ):
-        lost = start_worker()
-        with distributed.Client(address, set_as_default=False) as client:
-            client.wait_for_workers(1, timeout=60)
-        code = pool.submit(main, [*arguments, "--scheduler", address])
-        wait_until(lambda: record_count(output) >= 1)
-        os.killpg(lost.pid, signal.SIGKILL)
-        for name in ("b", "c"):
-            write_mesh(tmp_path / "in" / f"{name}.ply")
-        wait_until(lambda: complained.append(capsys.readouterr().err) or any(complained))
-        start_worker()
-        assert code.result(60) == 0
-    assert "".join(complained) + capsys.readouterr().err == (
-        f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
-        f"start one: dask worker {address}\n"
-    )
-    assert [row["status"] for row in rows(output)] == ["done"] * 3
-
-
-def test_a_worker_that_takes_long_is_a_worker(tmp_path, monkeypatch, capsys):
-    distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(runner, "_IDLE_SECONDS", 0.1)
-    write_mesh(tmp_path / "a.ply", levels=5)
-    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "20"]
-    with dask_cluster(tmp_path) as (address, start_worker, _):
-        start_worker()
-        with distributed.Client(address, set_as_default=False) as client:
-            client.wait_for_workers(1, timeout=60)
-        assert main([*arguments, "--scheduler", address]) == 0
-    assert capsys.readouterr().err == ""
-
-
-def wait_for_batches(client, count: int) -> None:
-    """Until as many have given all meshes to the scheduler."""
-    waiting = lambda dask_scheduler: sum(  # noqa: E731 (travels by value)
-        bool(state.wants_what) for state in dask_scheduler.clients.values()
-    )
-    wait_until(lambda: client.run_on_scheduler(waiting) == count)
-
-
-def test_a_scheduler_that_is_lost_before_it_has_a_worker_ends_the_run(tmp_path):
-    distributed = pytest.importorskip("distributed")
-    write_mesh(tmp_path / "a.ply")
-    with dask_cluster(tmp_path) as (address, _, scheduler):
-        arguments = [tmp_path / "a.ply", "-o", tmp_path / "out", "--scheduler", address]
-        process = start_batch(*arguments)
-        with distributed.Client(address, set_as_default=False) as client:
-            wait_for_batches(client, 1)
-        scheduler.kill()
-        _, complained = process.communicate(timeout=120)
-    assert process.returncode == 1
-    assert complained == (
-        f"spheroseg batch: the Dask scheduler at {address} was lost, or has cancelled the work; go "
-        "on with --resume\n"
-    )
-
-
-def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
-    distributed = pytest.importorskip("distributed")
-    write_mesh(tmp_path / "in" / "a.ply")
-    with (
-        dask_cluster(tmp_path) as (address, start_worker, _),
-        distributed.Client(address, set_as_default=False) as client,
-    ):
-        processes = [
-            start_batch(
-                tmp_path / "in", "-o", tmp_path / f"out{k}", "-k", k, "--scheduler", address
-            )
-            for k in (3, 8)
-        ]
-        wait_for_batches(client, 2)
-        start_worker()
-        said = [process.communicate(timeout=120) for process in processes]
-    assert [process.returncode for process in processes] == [0, 0], said
-    for k in (3, 8):
-        assert [row["submesh_count"] for row in rows(tmp_path / f"out{k}")] == [str(k)]
-        assert (tmp_path / f"out{k}" / "a.ply").exists()
-
-
-def test_a_result_of_other_settings_is_refused(tmp_path):
-    job = jobs.Job("a.ply", "a", str(tmp_path), {"submesh_count": 3}, (".ply",), {})
-    own, other = ({"settings": job.settings() | {"options": {"submesh_count": k}}} for k in (3, 8))
-    own["status"] = "failed"
-    results = runner._ResultsOfCluster()
-    assert results.checked(job, own) is own
-    refused = results.checked(job, other)
-    assert (refused["status"], refused["settings"]) == ("failed", job.settings())
-    assert "other settings" in refused["error"]
-
-
-def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("distributed")
-    for name in ("a", "b"):
-        write_mesh(tmp_path / "in" / f"{name}.ply")
-    output = tmp_path / "out"
-    arguments = ["batch", str(tmp_path / "in"), "-o", str(output)]
-    assert main([*arguments, "-k", "3"]) == 0
-    (tmp_path / "own_disk.py").write_text(
-        "import dataclasses\nfrom spheroseg.batch import jobs\n"
-        "def run_job(job, run=jobs.run_job):\n"
-        f"    return run(dataclasses.replace(job, folder={str(tmp_path / 'elsewhere')!r}))\n"
-        "jobs.run_job = run_job\n"
-    )
-    monkeypatch.setattr(runner, "_ARRIVAL_SECONDS", 0.5, raising=False)
-    own_disk = ("--preload", tmp_path / "own_disk.py")
-    with dask_cluster(tmp_path, *own_disk) as (address, start_worker, _):
-        start_worker()
-        assert main([*arguments, "-k", "8", "--resume", "--scheduler", address]) == 1
-    said = capsys.readouterr().err
-    assert said.count("DIR must be a folder that all machines share") == 2
-    assert f"not in {output} here" in said
-    assert [row["status"] for row in rows(output)] == ["failed", "failed"]
-    assert (tmp_path / "elsewhere" / "a.ply").exists()
-
-
-def test_a_result_that_a_network_shows_late_is_waited_for(tmp_path):
-    job = jobs.Job("a.ply", "a", str(tmp_path), {}, (".ply",), {})
-    record = {"status": "done", "settings": job.settings(), "outputs": {"a.ply": ""}}
-    record |= {"input_sha256": ""}
-    jobs.store(job, record | {"seconds": 1.0})
-    with futures.ThreadPoolExecutor() as network:
-        shown = network.submit(lambda: (time.sleep(0.4), (tmp_path / "a.ply").touch()))
-        assert runner._ResultsOfCluster().checked(job, record) is record
-        shown.result()
-
-
-def test_absent_scheduler_is_said_in_one_line(tmp_path, capsys):
-    pytest.importorskip("distributed")
-    write_mesh(tmp_path / "a.ply")
-    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out")]
-    assert main([*arguments, "--scheduler", "carrier-pigeon"]) == 2
-    said = capsys.readouterr().err
-    assert "no Dask scheduler answers at carrier-pigeon" in said
-    assert said.count("\n") == 1
-    assert list(tmp_path.iterdir()) == [tmp_path / "a.ply"]
-    assert main([*arguments, "-k", "2"]) == 0, "nothing was done, so that nothing is to be resumed"
-
-
-def test_an_address_that_is_none_is_said_soon_and_without_a_traceback(tmp_path):
-    pytest.importorskip("distributed")
-    write_mesh(tmp_path / "a.ply")
-    for address in ("foo", "abc://host:1"):
-        began = time.monotonic()
-        code, _, said = run_batch(
-            tmp_path / "a.ply", "-o", tmp_path / "out", "--scheduler", address
-        )
-        assert (code, said.count("\n")) == (2, 1)
-        assert f"no Dask scheduler answers at {address}: " in said
-        assert time.monotonic() - began < 10
 
 
 @pytest.mark.parametrize(
