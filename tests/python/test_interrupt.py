@@ -293,6 +293,7 @@ def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
     found = {path.name for path in output.iterdir()}
     assert found == {jobs.RECORD_FOLDER, "a.ply"}
 
+    (tmp_path / "b.ply").write_bytes(ply_bytes(*bumpy_sphere(2, 0)))  # takes less time
     kept = (output / "a.ply").stat().st_mtime_ns
     done = subprocess.run(
         [*call, "--resume"], cwd=tmp_path, capture_output=True, text=True, env=ENVIRONMENT
