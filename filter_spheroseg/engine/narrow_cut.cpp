@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostEdges = 12;
 constexpr int kLargestSubmesh = 250; // below 256, which Way::size holds
-/// Of a region: the lists take about 3 kB per face.
+/// Of a region: the lists take up to 7 kB per face.
 constexpr std::size_t kMostFaces = 1 << 16;
 /// Ways that a list holds, and pairs of ways that are looked at for each of them. Where there are
 /// more pairs, one in so many is drawn from all, the others from those in which the parts at the

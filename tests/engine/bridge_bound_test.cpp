@@ -20,27 +20,6 @@ Patchwork uncut(const Levels& levels, int submesh_count) {
     return levels.multilevel.coarsen(levels.mesh.face_count(), submesh_count, 1);
 }
 
-/// A face with a strip of faces on each of its edges.
-TriangleMesh three_strips(const std::array<int, 3>& lengths) {
-    TriangleMesh mesh;
-    const auto add_vertex = [&mesh] {
-        const auto v = static_cast<double>(mesh.positions.size());
-        mesh.positions.push_back({v, v * v, v * v * v});
-        return static_cast<int>(v);
-    };
-    mesh.faces.push_back({add_vertex(), add_vertex(), add_vertex()});
-    for (const int corner : {0, 1, 2}) {
-        int a = mesh.faces[0][(corner + 1) % 3];
-        int b = mesh.faces[0][corner];
-        for (int i = 0; i < lengths[corner]; ++i) {
-            const int v = add_vertex();
-            mesh.faces.push_back({a, b, v});
-            (i % 2 == 0 ? b : a) = v;
-        }
-    }
-    return mesh;
-}
-
 /// Over all ways to keep or cut each edge between two faces.
 std::int64_t least_misplaced_of_all(const Patchwork& patchwork, std::size_t most_edges) {
     std::vector<std::pair<int, int>> edges;
@@ -83,16 +62,16 @@ std::int64_t least_misplaced_of_all(const Patchwork& patchwork, std::size_t most
     return least;
 }
 
-TEST(BridgeBound, OfThreeStripsAtAFace) {
+TEST(BridgeBound, OfStripsAtAFace) {
     const auto bound = [](const std::array<int, 3>& lengths, int submesh_count) {
-        return least_misplaced(uncut(Levels(three_strips(lengths)), submesh_count));
+        return least_misplaced(uncut(Levels(star(lengths)), submesh_count));
     };
-    EXPECT_EQ(bound({4, 4, 4}, 2), 4); // 4 and 9 of 13, instead of 6 and 7
-    EXPECT_EQ(bound({6, 4, 2}, 2), 0); // 6 and 7
-    EXPECT_EQ(bound({3, 3, 3}, 2), 4); // 3 and 7 of 10
-    EXPECT_EQ(bound({4, 4, 4}, 3), 0); // 4, 4 and 5
-    EXPECT_EQ(bound({6, 6, 7}, 4), 0); // 5 of each strip, and what they leave
-    EXPECT_EQ(bound({600, 600, 600}, 2), 600); // 600 and 1,201
+    EXPECT_EQ(bound({4, 4, 4}, 2), 4);             // 4 and 9 of 13, instead of 6 and 7
+    EXPECT_EQ(bound({6, 4, 2}, 2), 0);             // 6 and 7
+    EXPECT_EQ(bound({3, 3, 3}, 2), 4);             // 3 and 7 of 10
+    EXPECT_EQ(bound({4, 4, 4}, 3), 0);             // 4, 4 and 5
+    EXPECT_EQ(bound({6, 6, 7}, 4), 0);             // 5 of each strip, and what they leave
+    EXPECT_EQ(bound({600, 600, 600}, 2), 600);     // 600 and 1,201
     EXPECT_EQ(bound({3000, 3000, 3000}, 2), 1001); // as far as it looks
 }
 
@@ -140,12 +119,12 @@ TEST(BridgeBound, IsZeroWithoutBridges) {
 }
 
 TEST(BridgeBound, OfLongStripsTakesNoDeepRecursionOrMuchWork) {
-    EXPECT_EQ(least_misplaced(uncut(Levels(three_strips({100000, 50000, 3})), 150)), 0);
-    EXPECT_EQ(least_misplaced(uncut(Levels(three_strips({50000, 50000, 50000})), 2)), 0);
+    EXPECT_EQ(least_misplaced(uncut(Levels(star({100000, 50000, 3})), 150)), 0);
+    EXPECT_EQ(least_misplaced(uncut(Levels(star({50000, 50000, 50000})), 2)), 0);
 }
 
 TEST(BridgeBound, EndsTheSearchWhereItIsReached) {
-    const TriangleMesh mesh = three_strips({600, 600, 600});
+    const TriangleMesh mesh = star({600, 600, 600});
     SegmentOptions options;
     options.submesh_count = 2;
     options.thread_count = 1;

@@ -319,28 +319,14 @@ TEST(General, SharesThatABranchCanNotTakeAreChanged) {
     }
 }
 
-/// `arms` strips of as many faces each, on sides of a face.
-TriangleMesh star(int arms, int faces_each) {
-    TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-    for (int arm = 0; arm < arms; ++arm) {
-        int a = arm;
-        int b = (arm + 1) % 3;
-        for (int i = 0; i < faces_each; ++i) {
-            const int tip = mesh.vertex_count();
-            mesh.positions.push_back({1.0 * arm, 1.0 * i, 1.0});
-            mesh.faces.push_back({b, a, tip});
-            (i % 2 == 0 ? a : b) = tip;
-        }
-    }
-    return mesh;
-}
-
 TEST(General, SharesThatALargeStarCanNotTakeAreChangedInEitherOrder) {
     // Two sub-meshes of one and one of the other, with equal counts; a star has no halves.
     constexpr int kArm = 301;
     for (bool star_is_first : {true, false}) {
-        TriangleMesh mesh = star_is_first ? star(3, kArm) : star(1, 3 * kArm);
-        append(mesh, star_is_first ? star(1, 3 * kArm) : star(3, kArm));
+        const TriangleMesh three = star({kArm, kArm, kArm});
+        const TriangleMesh strip = star({3 * kArm, 0, 0});
+        TriangleMesh mesh = star_is_first ? three : strip;
+        append(mesh, star_is_first ? strip : three);
         PreparedMesh prepared(mesh);
         SegmentOptions options;
         options.submesh_count = 3;

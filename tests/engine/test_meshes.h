@@ -312,6 +312,22 @@ inline TriangleMesh moebius_strip(int around, int across) {
     return mesh;
 }
 
+/// A face with a strip of so many faces on each of its sides.
+inline TriangleMesh star(const std::array<int, 3>& lengths) {
+    TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+    for (int side = 0; side < 3; ++side) {
+        int a = side;
+        int b = (side + 1) % 3;
+        for (int i = 0; i < lengths[side]; ++i) {
+            const int tip = mesh.vertex_count();
+            mesh.positions.push_back({1.0 * side, 1.0 * i, 1.0});
+            mesh.faces.push_back({b, a, tip});
+            (i % 2 == 0 ? a : b) = tip;
+        }
+    }
+    return mesh;
+}
+
 /// An open surface grown by gluing triangles to random open edges: its dual graph is a tree.
 inline TriangleMesh random_tree(int face_count, std::uint64_t seed) {
     Random random(seed);
