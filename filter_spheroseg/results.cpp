@@ -46,6 +46,7 @@ Results segmentation_results(const Segmentation& segmentation) {
     results["max_submesh_triangles"] = measures.max_submesh_triangles;
     results["component_count"] = segmentation.component_count;
     results["best_max_triangle_count_difference"] = segmentation.best_max_triangle_count_difference;
+    results["may_be_balanced"] = segmentation.may_be_balanced;
     results["weight_imbalance"] = segmentation.weight_imbalance;
     results["cohesion_iterations"] = segmentation.cohesion_iterations;
     results["refinement_iterations"] = segmentation.refinement_iterations;

@@ -221,6 +221,11 @@ def shortcomings(measures: dict[str, Any], balance: str = "triangle_count") -> s
         text = f"{difference} triangles between the largest and the smallest sub-mesh"
         only = ", the fewest that its components allow"
         found.append(text if difference > best else text + only)
+        if not measures.get("may_be_balanced", True):
+            found[-1] += (
+                " (no cut into so many connected ones is balanced, as parts of the mesh hang on "
+                "the rest by single edges)"
+            )
     if measures["disconnected_submesh_count"] > 0:
         pieces = counted(measures["disconnected_submesh_count"], "sub-mesh", "es")
         found.append(f"{pieces} in more than one piece")

@@ -39,6 +39,7 @@ SEGMENTATION_KEYS = MEASURE_KEYS | {
     "max_submesh_triangles",
     "component_count",
     "best_max_triangle_count_difference",
+    "may_be_balanced",
     "weight_imbalance",
     "cohesion_iterations",
     "refinement_iterations",
@@ -94,7 +95,7 @@ def test_returns_the_documented_keys_and_types(sample):
     assert iterations > 0
     for key in ITERATION_KEYS:
         assert result[key].shape == (iterations,)
-    for key in ("time_limit_hit", "used_cuda"):
+    for key in ("may_be_balanced", "time_limit_hit", "used_cuda"):
         assert isinstance(result[key], bool)
     for key in ("submesh_count", "boundary_edge_count", "cohesion_iterations"):
         assert isinstance(result[key], int)
@@ -279,6 +280,15 @@ mesh_set = document(vertices, faces)
 mesh_set.set_verbosity(True)
 result = mesh_set.apply_filter(SEGMENTATION, submesh_count={submesh_count})
 print("best", result["best_max_triangle_count_difference"])
+strips = [(0, 1, 2)]
+for a in range(3):
+    b = (a + 1) % 3
+    for i in range(6):
+        strips.append((b, a, len(strips) + 2))
+        a, b = (strips[-1][2], b) if i % 2 == 0 else (a, strips[-1][2])
+star = document(np.random.default_rng(0).normal(size=(len(strips) + 2, 3)), np.array(strips))
+star.set_verbosity(True)
+star.apply_filter(SEGMENTATION, submesh_count=2)
 one = document(*small)
 one.set_verbosity(True)
 one.apply_filter(SEGMENTATION, submesh_count=1)
@@ -305,7 +315,15 @@ def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_cou
     assert f"best {difference}\n" in said
     warning = f"The result has {difference} triangles between the largest and the smallest"
     assert (warning in said) == (difference > 1)
-    assert ("The result has" in said) == (difference > 1)
+    assert said.count("The result has") == (difference > 1) + 1  # and that of the star
+
+
+def test_the_log_says_where_no_cut_is_balanced():
+    """A face with strips of six on its sides, in two: 6 and 13."""
+    assert (
+        "The result has 7 triangles between the largest and the smallest sub-mesh (no cut into "
+        "so many connected ones is balanced, as parts of the mesh hang on the rest by single edges)."
+    ) in logged(3)
 
 
 def test_the_log_counts_one_and_many():

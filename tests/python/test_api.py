@@ -585,6 +585,7 @@ def test_shortcomings_count_one_and_many():
     found = {
         "max_triangle_count_difference": 3,
         "best_max_triangle_count_difference": 1,
+        "may_be_balanced": True,
         "disconnected_submesh_count": 1,
         "bowtie_count": 2,
     }
@@ -594,6 +595,27 @@ def test_shortcomings_count_one_and_many():
     )
     found |= {"disconnected_submesh_count": 2, "bowtie_count": 1}
     assert api.shortcomings(found).endswith(", 2 sub-meshes in more than one piece, 1 bowtie")
+
+
+def test_a_star_of_strips_has_no_halves_and_the_measures_say_so():
+    faces = [(0, 1, 2)]
+    for side in range(3):
+        a, b = side, (side + 1) % 3
+        for i in range(600):
+            tip = len(faces) + 2
+            faces.append((b, a, tip))
+            a, b = (tip, b) if i % 2 == 0 else (a, tip)
+    vertices = np.random.default_rng(0).normal(size=(len(faces) + 2, 3))
+    halves = spheroseg.segment(vertices, faces, 2).measures
+    assert (halves["min_submesh_triangles"], halves["max_submesh_triangles"]) == (600, 1201)
+    assert halves["may_be_balanced"] is False
+    assert api.shortcomings(halves) == (
+        "601 triangles between the largest and the smallest sub-mesh (no cut into so many "
+        "connected ones is balanced, as parts of the mesh hang on the rest by single edges)"
+    )
+    thirds = spheroseg.segment(vertices, faces, 3).measures
+    assert thirds["may_be_balanced"] is True
+    assert api.shortcomings(thirds) == ""
 
 
 def test_area_distortion_does_not_depend_on_the_unit(cube):

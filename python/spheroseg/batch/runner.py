@@ -55,6 +55,7 @@ _MEASURES = (
     "max_submesh_triangles",
     "max_triangle_count_difference",
     "best_max_triangle_count_difference",
+    "may_be_balanced",
     "component_count",
     "weight_imbalance",
     "coefficient_of_variation",
