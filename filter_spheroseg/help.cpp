@@ -24,7 +24,8 @@ const char* const kSegmentationHelp =
     "<i>min_submesh_triangles</i>, <i>max_submesh_triangles</i>, the measures of "
     "<i>get_segmentation_measures</i> but <i>submesh_triangles</i>, <i>component_count</i>, "
     "<i>best_max_triangle_count_difference</i>, <i>may_be_balanced</i>, <i>weight_imbalance</i>, "
-    "<i>time_limit_hit</i>, <i>used_cuda</i>; <i>cohesion_iterations</i>, <i>refinement_iterations</i>, and of each "
+    "<i>time_limit_hit</i>, <i>used_cuda</i>; <i>cohesion_iterations</i>, "
+    "<i>refinement_iterations</i>, and of each "
     "<i>boundary_edges_by_iteration</i>, <i>seconds_by_iteration</i>, <i>energy_by_iteration</i>; "
     "<i>parametrization_seconds</i>, <i>cohesion_seconds</i>, <i>refinement_seconds</i>, "
     "<i>total_seconds</i>.</small><br>" SPHEROSEG_CITATION;

@@ -322,7 +322,8 @@ def test_the_log_says_where_no_cut_is_balanced():
     """A face with strips of six on its sides, in two: 6 and 13."""
     assert (
         "The result has 7 triangles between the largest and the smallest sub-mesh (no cut into "
-        "so many connected ones is balanced, as parts of the mesh hang on the rest by single edges)."
+        "so many connected ones is balanced, as parts of the mesh hang on the rest by "
+        "single edges)."
     ) in logged(3)
 
 
