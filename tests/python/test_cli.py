@@ -56,8 +56,8 @@ def test_a_result_that_is_not_balanced_is_one_warning(run, star, tmp_path):
     assert (code, errors) == (
         0,
         f"spheroseg segment: warning: the result for {star} has 2 triangles between the largest "
-        "and the smallest sub-mesh (no cut into so many connected ones is balanced, as parts of the "
-        "mesh hang on the rest by single edges)\n",
+        "and the smallest sub-mesh (no cut into so many connected ones is balanced, as parts of "
+        "the mesh hang on the rest by single edges)\n",
     )
     assert run("segment", star, "-k", 4, "-q") == (0, "", "")
     for k, told in ((2, "(1 not balanced within a triangle, in pieces or with bowties)"), (4, "")):
