@@ -172,19 +172,9 @@ std::int64_t run_on_cores(const Work& work,
         }
         return true;
     };
-    const auto anneal_group = [&](int i) {
+    run_tasks(group_count, threads, report_at_times, [&](int i, const Progress&) {
         change += CoreGroup(work, groups[i], phase).anneal(loads);
-    };
-    if (std::min(group_count, threads) > 1) {
-        run_tasks(group_count, threads, report_at_times, [&](int i, const Progress&) {
-            anneal_group(i);
-        });
-    } else { // without OpenMP, which makes a team and system calls even for one thread
-        for (int i = 0; i < group_count; ++i) {
-            report_at_times();
-            anneal_group(i);
-        }
-    }
+    });
     return change;
 }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "branch_decomposition.h"
 
+#include "union_find.h"
+
 #include <algorithm>
 #include <functional>
-#include <numeric>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -37,9 +38,7 @@ class Joining {
 public:
     Joining(std::vector<FaceBlock> faces, int most_edges, Random& random)
         : blocks_(std::move(faces)), most_edges_(most_edges), random_(random),
-          parent_(blocks_.size()) {
-        std::iota(parent_.begin(), parent_.end(), 0);
-    }
+          whole_(2 * static_cast<int>(blocks_.size())) {}
 
     std::vector<FaceBlock> run() && {
         const auto face_count = static_cast<int>(blocks_.size());
@@ -50,7 +49,7 @@ public:
             const int first = std::get<4>(offers_.top());
             const int second = std::get<5>(offers_.top());
             offers_.pop();
-            if (parent_[first] == first && parent_[second] == second) {
+            if (whole_.find(first) == first && whole_.find(second) == second) {
                 join(first, second);
                 offer_neighbors(static_cast<int>(blocks_.size()) - 1);
             }
@@ -62,20 +61,11 @@ public:
     }
 
 private:
-    /// The largest block so far that a block is in.
-    int whole_of(int block) {
-        while (parent_[block] != block) {
-            parent_[block] = parent_[parent_[block]];
-            block = parent_[block];
-        }
-        return block;
-    }
-
     /// Offers to join a block to each one beside it.
     void offer_neighbors(int block) {
         std::vector<int> others;
         for (const FaceBlock::Edge& edge : blocks_[block].outer) {
-            others.push_back(whole_of(edge.outside));
+            others.push_back(whole_.find(edge.outside));
         }
         std::sort(others.begin(), others.end());
         for (auto begin = others.begin(); begin != others.end();) {
@@ -85,7 +75,7 @@ private:
                 2 * static_cast<int>(end - begin);
             int apart = 0;
             for (const FaceBlock::Edge& edge : other.outer) {
-                const int third = whole_of(edge.outside);
+                const int third = whole_.find(edge.outside);
                 apart -= third != block && std::binary_search(others.begin(), others.end(), third);
             }
             offers_.emplace(outer,
@@ -108,7 +98,7 @@ private:
             const std::vector<FaceBlock::Edge>& others = blocks_[block.of[1 - side]].outer;
             for (int e = 0; e < static_cast<int>(edges.size()); ++e) {
                 const FaceBlock::Edge edge = edges[e];
-                if (whole_of(edge.outside) != block.of[1 - side]) {
+                if (whole_.find(edge.outside) != block.of[1 - side]) {
                     block.outer.push_back(edge);
                     block.origin.push_back({side, e});
                 } else if (side == 0) {
@@ -121,16 +111,15 @@ private:
             }
         }
         blocks_.push_back(std::move(block));
-        parent_.push_back(name);
-        parent_[first] = name;
-        parent_[second] = name;
+        whole_.join(first, name);
+        whole_.join(second, name);
     }
 
     std::vector<FaceBlock> blocks_;
     const int most_edges_;
     Random& random_;
-    /// For each block one that it is in, or itself.
-    std::vector<int> parent_;
+    /// Blocks that are in one: the largest one so far names them.
+    UnionFind whole_;
     /// Two blocks that may be joined: the outer edges of both together, less the more of them lead
     /// to blocks that touch both, their faces, a random number, and which they are.
     using Offer = std::tuple<int, int, int, std::uint64_t, int, int>;

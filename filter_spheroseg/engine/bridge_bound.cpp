@@ -2,6 +2,7 @@
 #include "bridge_bound.h"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
@@ -185,11 +186,12 @@ private:
 } // namespace
 
 std::int64_t least_misplaced(const Patchwork& patchwork) {
-    const Walk walk = walk_from_first_face(patchwork);
-    const bool has_bridges =
-        std::find(walk.is_over_bridge.begin(), walk.is_over_bridge.end(), true) !=
-        walk.is_over_bridge.end();
-    return has_bridges ? BridgeBound(patchwork).of(walk) : 0;
+    // One edge alone does not bound faces of a closed surface.
+    const bool is_closed =
+        std::all_of(patchwork.cells.begin(), patchwork.cells.end(), [](const Cell& cell) {
+            return *std::min_element(std::begin(cell.side), std::end(cell.side)) >= 0;
+        });
+    return is_closed ? 0 : BridgeBound(patchwork).of(walk_from_first_face(patchwork));
 }
 
 } // namespace spheroseg

@@ -9,7 +9,8 @@ namespace spheroseg {
 
 /// A lower bound on misplaced(patchwork): however its faces, of unit weight, are cut into connected
 /// sub-meshes, there are at least so many too many or too few, measured at its even loads. 0 where
-/// nothing hangs on the rest by a single edge; at most 1001, whatever the number is.
+/// nothing hangs on the rest by a single edge, as on closed surfaces; at most 1001, whatever the
+/// number is.
 ///
 /// A part that hangs on the rest by one edge (a bridge of the dual graph) shares only one sub-mesh
 /// with it. For each number of faces that this one may have of the part, the least is counted that

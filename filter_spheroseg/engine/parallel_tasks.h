@@ -48,14 +48,23 @@ private:
 /// such a report calls report(), and so does that thread every few hundredths of a second when it
 /// has no task left; report() is never called on another one. When it returns false, all running
 /// tasks end with Cancelled at their next report. Rethrows the first exception of a task or of
-/// report(); after one no further task is begun.
+/// report(); after one no further task is begun. One thread is the calling one, without OpenMP, as
+/// in for_each_task.
 template <typename Report, typename Task>
 void run_tasks(int count, int thread_count, const Report& report, const Task& task) {
+    if (std::min(count, thread_count) <= 1) {
+        const Progress progress = [&](double, const char*) { return report(); };
+        for (int i = 0; i < count; ++i) {
+            report_progress(progress, 0.0, "");
+            task(i, progress);
+        }
+        return;
+    }
     std::atomic<bool> stopped{false};
     std::atomic<bool> cancelled{false};
     ParallelFailure failure;
     TaskCount tasks(count);
-#pragma omp parallel num_threads(std::max(1, std::min(count, thread_count)))
+#pragma omp parallel num_threads(std::min(count, thread_count))
     {
         const bool is_caller = omp_get_thread_num() == 0;
         const auto report_on_caller = [&] {

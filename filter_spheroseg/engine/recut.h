@@ -24,8 +24,8 @@ namespace spheroseg {
 /// loads are balanced; false after many cuts without progress, when no cuts are left at the end of
 /// a round (up to 48 for each sub-mesh that is off), when no more than `least_misplaced` faces are
 /// too many or too few, and at most 20,000 faces and a cut after `deadline` (may be null) has
-/// expired. Deterministic but for the deadline. Throws Cancelled when
-/// the progress callback asks for it.
+/// expired. Deterministic but for the deadline. Throws Cancelled when the progress callback asks
+/// for it.
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       TreeTurns turns = TreeTurns::random,

@@ -3,6 +3,7 @@
 
 #include "parallel_failure.h"
 #include "threads.h"
+#include "union_find.h"
 #include "vertex_fans.h"
 
 #include <algorithm>
@@ -12,28 +13,6 @@
 namespace spheroseg {
 
 namespace {
-
-class UnionFind {
-public:
-    explicit UnionFind(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i) {
-        while (parent_[i] != i) {
-            parent_[i] = parent_[parent_[i]];
-            i = parent_[i];
-        }
-        return i;
-    }
-    /// False when both were in one set already.
-    bool join(int a, int b) {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-        return a != b;
-    }
-
-private:
-    std::vector<int> parent_;
-};
 
 /// A side that the dual graph joins to nothing: of an open or over-full edge.
 struct LooseSide {

@@ -271,7 +271,7 @@ LOGGED = """
 import numpy as np
 import spheroseg
 from host_meshes import SEGMENTATION, document
-from shapes import subdivided_sphere
+from shapes import star_of_strips, subdivided_sphere
 
 large, small = subdivided_sphere(3), subdivided_sphere(1)
 vertices = np.concatenate([large[0], small[0] + 5.0])
@@ -280,13 +280,7 @@ mesh_set = document(vertices, faces)
 mesh_set.set_verbosity(True)
 result = mesh_set.apply_filter(SEGMENTATION, submesh_count={submesh_count})
 print("best", result["best_max_triangle_count_difference"])
-strips = [(0, 1, 2)]
-for a in range(3):
-    b = (a + 1) % 3
-    for i in range(6):
-        strips.append((b, a, len(strips) + 2))
-        a, b = (strips[-1][2], b) if i % 2 == 0 else (a, strips[-1][2])
-star = document(np.random.default_rng(0).normal(size=(len(strips) + 2, 3)), np.array(strips))
+star = document(*star_of_strips(6))
 star.set_verbosity(True)
 star.apply_filter(SEGMENTATION, submesh_count=2)
 one = document(*small)

@@ -40,3 +40,15 @@ def bumpy_sphere(levels: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     phase = generator.uniform(0, 6, size=4)
     height = 1 + 0.12 * np.cos(vertices @ waves.T + phase).sum(axis=1)
     return vertices * height[:, None], faces
+
+
+def star_of_strips(length: int) -> tuple[np.ndarray, np.ndarray]:
+    """A triangle with a strip of `length` triangles on each side; any places."""
+    faces = [(0, 1, 2)]
+    for side in range(3):
+        a, b = side, (side + 1) % 3
+        for i in range(length):
+            tip = len(faces) + 2
+            faces.append((b, a, tip))
+            a, b = (tip, b) if i % 2 == 0 else (a, tip)
+    return np.random.default_rng(0).normal(size=(len(faces) + 2, 3)), np.array(faces)

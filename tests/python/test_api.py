@@ -16,7 +16,7 @@ import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
 from processes import run_python
-from shapes import bumpy_sphere, subdivided_sphere
+from shapes import bumpy_sphere, star_of_strips, subdivided_sphere
 
 import spheroseg
 from spheroseg import _plugin, api
@@ -598,22 +598,14 @@ def test_shortcomings_count_one_and_many():
 
 
 def test_a_star_of_strips_has_no_halves_and_the_measures_say_so():
-    faces = [(0, 1, 2)]
-    for side in range(3):
-        a, b = side, (side + 1) % 3
-        for i in range(600):
-            tip = len(faces) + 2
-            faces.append((b, a, tip))
-            a, b = (tip, b) if i % 2 == 0 else (a, tip)
-    vertices = np.random.default_rng(0).normal(size=(len(faces) + 2, 3))
-    halves = spheroseg.segment(vertices, faces, 2).measures
+    halves = spheroseg.segment(*star_of_strips(600), 2).measures
     assert (halves["min_submesh_triangles"], halves["max_submesh_triangles"]) == (600, 1201)
     assert halves["may_be_balanced"] is False
     assert api.shortcomings(halves) == (
         "601 triangles between the largest and the smallest sub-mesh (no cut into so many "
         "connected ones is balanced, as parts of the mesh hang on the rest by single edges)"
     )
-    thirds = spheroseg.segment(vertices, faces, 3).measures
+    thirds = spheroseg.segment(*star_of_strips(600), 3).measures
     assert thirds["may_be_balanced"] is True
     assert api.shortcomings(thirds) == ""
 
