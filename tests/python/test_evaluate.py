@@ -36,7 +36,17 @@ from spheroseg.batch import inputs
 from spheroseg.cli import main
 from spheroseg.dual_graph import build_dual_graph
 from spheroseg.errors import InputError
-from spheroseg.evaluate import environment, judging, paper, plots, report, runner, summary, worker
+from spheroseg.evaluate import (
+    environment,
+    judging,
+    paper,
+    pictures,
+    plots,
+    report,
+    runner,
+    summary,
+    worker,
+)
 from spheroseg.evaluate import folder as report_folder
 from spheroseg.evaluate.methods import (
     ALL_PAIRS_LIMIT,
@@ -263,21 +273,43 @@ def test_page_has_iterations_of_one_effort_per_mesh_and_the_folder_all(tmp_path)
 
 def test_pictures_show_boundaries_and_red_bowties(tmp_path):
     image = pytest.importorskip("PIL.Image")
-    from spheroseg.evaluate.pictures import SIZE, draw
-
     vertices, faces = bumpy_sphere(2, 0)
     grey = np.full((len(faces), 3), 180, dtype=np.uint8)
     red = {}
     for k in (1, 12):
         labels = np.random.default_rng(0).integers(0, k, size=len(faces)).astype(np.int32)
         parts = anatomy(faces, build_dual_graph(faces), labels, k)
-        draw(vertices, faces, grey, parts, tmp_path / "picture.png")
+        pictures.draw(vertices, faces, grey, parts, tmp_path / "picture.png")
         pixels = np.asarray(image.open(tmp_path / "picture.png").convert("RGB")).astype(int)
-        assert pixels.shape == (SIZE[1], SIZE[0], 3)
+        assert pixels.shape == (*pictures.SIZE[::-1], 3)
         red[k] = np.count_nonzero((pixels[..., 0] > 120) & (pixels[..., 1:].max(axis=2) < 60))
     assert red[1] == 0
     assert red[12] > 50
     assert [path.name for path in tmp_path.iterdir()] == ["picture.png"]
+
+
+@pytest.mark.parametrize("size", [(1, 1, 1), (1, 6, 1), (5, 1, 1), (1, 1, 0), (0, 0, 0)])
+def test_pictures_show_all_of_the_shape_and_little_else(tmp_path, size):
+    image = pytest.importorskip("PIL.Image")
+
+    vertices, faces = bumpy_sphere(2, 0)
+    vertices = np.vstack((vertices * size + 3e5, [[1e9, 0, np.nan]]))
+    labels = np.arange(len(faces), dtype=np.int32) % 2
+    parts = anatomy(faces, build_dual_graph(faces), labels, 2)
+    grey = np.full((len(faces), 3), 128, dtype=np.uint8)
+    drawn = report._for_drawing(vertices, faces)
+    pictures.draw(drawn, faces, grey, parts, tmp_path / "picture.png")
+
+    pixels = np.asarray(image.open(tmp_path / "picture.png").convert("L"))
+    rows, columns = np.nonzero(pixels < 250)
+    if not any(size):
+        assert len(rows) < 1000  # a point
+        return
+    first, last = (columns.min(), rows.min()), (columns.max(), rows.max())
+    assert min(first) > 0
+    assert all(end < whole - 1 for end, whole in zip(last, pictures.SIZE, strict=True))
+    shares = [(b - a) / whole for a, b, whole in zip(first, last, pictures.SIZE, strict=True)]
+    assert max(shares) > 0.8, shares
 
 
 def test_meshes_of_like_names_keep_their_own_files(tmp_path):

@@ -177,12 +177,16 @@ def _scenes(folder: Path, done: list[dict], viewer_limit: int) -> dict[str, Any]
 
 
 def _for_drawing(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Without the mesh's place and size, which are not drawn: single precision might not hold the
-    shape there."""
-    with np.errstate(all="ignore"):  # for vertices that no face names
-        # Half of each: the difference of two of them must not overflow.
-        vertices = vertices / 2 - vertices[faces[0, 0]] / 2
-        return vertices / (np.abs(vertices[faces]).max() or 1)
+    """The same shape with a bounding box from -1 to 1 along its longest side: single precision
+    might not hold it in its place and size. Vertices that no face names, which may be anywhere, at
+    the origin."""
+    used = np.unique(faces)
+    placed = np.zeros_like(vertices)
+    # Half of each: the difference of two of them must not overflow.
+    halves = vertices[used] / 2
+    halves -= halves.min(axis=0) / 2 + halves.max(axis=0) / 2
+    placed[used] = halves / (np.abs(halves).max() or 1)
+    return placed
 
 
 def _caption(row: dict) -> str:
