@@ -51,7 +51,9 @@ def iterations(row: dict, title: str) -> str | None:
             axis.xaxis.set_major_locator(ticker.MaxNLocator(integer=True))
             axis.set_xlabel("iteration")
             axis.set_ylabel(label)
-            axis.set_yscale("log" if label.startswith("seconds") else "linear")
+            if values is seconds:
+                axis.set_yscale("log")
+                _label_plainly(axis.yaxis)
         figure.suptitle(title, fontsize=10, parse_math=False)
         return _svg(figure)
 
@@ -75,6 +77,7 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
         turned = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
         axis.set_xticks(range(len(meshes)), meshes, parse_math=False, **turned)
         axis.set_yscale("log")
+        _label_plainly(axis.yaxis)
         axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")
         axis.legend(fontsize=7, ncols=2)
@@ -100,6 +103,7 @@ def mark_quality_and_time(
         zorder=3,
     )
     axis.set_xscale("log")
+    _label_plainly(axis.xaxis)
     axis.set_xlabel("microseconds per triangle")
     axis.set_ylabel("boundary edges / hexagonal bound")
 
@@ -124,6 +128,19 @@ def mark(index: int) -> tuple[str, str]:
     turn, colour = divmod(index, len(_COLOURS))
     # Half the markers on: a like colour has then another marker, too.
     return _COLOURS[colour], _MARKERS[(colour + turn * len(_MARKERS) // 2) % len(_MARKERS)]
+
+
+class _PlainNumbers(ticker.LogFormatter):
+    """Labels the ticks that matplotlib labels, with 0.01 instead of a power of ten, which it takes
+    longer to typeset than to draw all else."""
+
+    def __call__(self, x, pos=None):
+        return f"{x:g}" if super().__call__(x, pos) else ""
+
+
+def _label_plainly(logarithmic_axis) -> None:
+    logarithmic_axis.set_major_formatter(_PlainNumbers())
+    logarithmic_axis.set_minor_formatter(_PlainNumbers())
 
 
 def _svg(figure) -> str:
