@@ -4,6 +4,7 @@
 #include "segment.h"
 
 #include "test_meshes.h"
+#include "thinning.h"
 
 #include <gtest/gtest.h>
 
@@ -48,7 +49,7 @@ std::vector<Trial> trials() {
         {"fast, sphere start",
          mesh_for_a_sphere_start(),
          options_of(Method::fast, Effort::high, 50),
-         2},
+         2 * kThinning},
         {"fast, slivers", slivers(60, true), options_of(Method::fast, Effort::draft, 30)},
         {"all_pairs", icosphere(2), options_of(Method::all_pairs, Effort::standard, 20)},
         {"all_pairs, needle",
@@ -111,7 +112,7 @@ TEST(Cancel, AtAnyCallOfEveryStepLeavesTheMeshUsable) {
         SCOPED_TRACE(trial.name);
         PreparedMesh fresh(trial.mesh, 1);
         const Watched run(trial, fresh);
-        std::set<int> stops = run.some_calls(trial.stops);
+        std::set<int> stops = run.some_calls(trial.stops / kThinning);
         for (const auto& [step, call] : run.first_calls) {
             steps.insert(step);
             stops.insert(call);
@@ -125,7 +126,8 @@ TEST(Cancel, AtAnyCallOfEveryStepLeavesTheMeshUsable) {
         PreparedMesh another(trial.mesh, 1);
         const Watched alone(trial, another);
         EXPECT_EQ(alone.labels, run.labels);
-        EXPECT_EQ(cancel_at_calls(trial, alone.some_calls(trial.stops / 2), run.labels), 1.0);
+        EXPECT_EQ(cancel_at_calls(trial, alone.some_calls(trial.stops / 2 / kThinning), run.labels),
+                  1.0);
     }
     for (const char* step : {"Simplifying the mesh",
                              "Mapping to the sphere",
@@ -149,7 +151,7 @@ TEST(Cancel, OfTheSphericalMapAtEveryCallLeavesTheMeshUsable) {
         return false;
     };
     int calls = 1;
-    for (;; ++calls) {
+    for (;; calls += kThinning) {
         PreparedMesh prepared(mesh, 2);
         if (!cancelled_after(prepared, calls)) {
             break;
