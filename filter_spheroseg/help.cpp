@@ -48,7 +48,9 @@ const char* const kParametrizationHelp =
     "<i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the sphere over share of "
     "the mesh, or its inverse if that is larger, per triangle), <i>seconds</i>. In single "
     "precision the last bits of the map are lost, so that on large meshes a few tiny triangles may "
-    "count as flipped; a segmentation then makes its own map.<br>" SPHEROSEG_CITATION;
+    "count as flipped; a segmentation then makes its own map.<br>" SPHEROSEG_CITATION
+    // MeshLab's dialog of so few parameters is too low for its help by half a line.
+    "<br>&nbsp;";
 
 const char* const kMeasuresHelp =
     "Measures the sub-meshes that are given by the labels in face quality, whoever wrote "
