@@ -25,7 +25,7 @@ def piece_count(members, links):
 
     def find(member):
         while root[member] != member:
-            member = root[member]
+            root[member] = member = root[root[member]]
         return member
 
     for one, other in links:
@@ -38,12 +38,9 @@ def measures(faces, labels):
     submesh_count = int(labels.max()) + 1
     edges = edge_faces(faces)
     cut = [edge for edge, users in edges.items() if len({labels[face] for face in users}) > 1]
-    fans = fans_by_vertex(faces)
     counts = np.bincount(labels, minlength=submesh_count)
-    per_submesh = [
-        submesh_topology(faces, np.flatnonzero(labels == label), fans)
-        for label in range(submesh_count)
-    ]
+    parted = apart_at_pinches(faces)
+    per_submesh = [submesh_topology(parted[labels == label]) for label in range(submesh_count)]
     return {
         "submesh_count": submesh_count,
         "triangle_count": len(faces),
@@ -79,6 +76,18 @@ def fans_by_vertex(faces):
     return fans
 
 
+def apart_at_pinches(faces):
+    """The faces with a vertex of its own for each fan of the mesh."""
+    faces = np.array(faces)
+    next_vertex = faces.max() + 1
+    for vertex, fans in fans_by_vertex(faces).items():
+        for fan in fans[1:]:
+            users = faces[list(fan)]
+            faces[list(fan)] = np.where(users == vertex, next_vertex, users)
+            next_vertex += 1
+    return faces
+
+
 def faces_and_joints(faces):
     """By vertex: its faces, and the pairs of them that meet in an edge there."""
     around, links = defaultdict(list), defaultdict(list)
@@ -91,25 +100,18 @@ def faces_and_joints(faces):
     return around, links
 
 
-def submesh_topology(faces, members, fans_of_mesh=None):
-    """(bowties, pieces, is a disk) of the sub-mesh made of some faces. With the fans of the whole
-    mesh, each of them counts as a vertex of its own."""
-    if len(members) == 0:
+def submesh_topology(faces):
+    """(bowties, pieces, is a disk) of a sub-mesh with these faces."""
+    if len(faces) == 0:
         return 0, 0, False
-    part = faces[members]
-    edges = edge_faces(part)
-    pieces = piece_count(range(len(part)), linked_faces(edges.values()))
-    around, links = faces_and_joints(part)
+    edges = edge_faces(faces)
+    pieces = piece_count(range(len(faces)), linked_faces(edges.values()))
+    around, links = faces_and_joints(faces)
     bowties = sum(piece_count(around[vertex], links[vertex]) - 1 for vertex in around)
-    if fans_of_mesh is not None:
-        own = set(members.tolist())
-        bowties -= sum(
-            sum(not own.isdisjoint(fan) for fan in fans_of_mesh[vertex]) - 1 for vertex in around
-        )
     border = [edge for edge, users in edges.items() if len(users) == 1]
     border_vertices = {vertex for edge in border for vertex in edge}
     loops = piece_count(border_vertices, border)
-    euler = len(np.unique(part)) - len(edges) + len(part)
+    euler = len(np.unique(faces)) - len(edges) + len(faces)
     return bowties, pieces, pieces == 1 and euler == 1 and loops == 1 and bowties == 0
 
 
@@ -130,7 +132,7 @@ def surface_faults(vertices, faces):
         faults.append("a vertex belongs to no face")
     if len(used) - len(directed) // 2 + len(faces) != 2:
         faults.append("the Euler characteristic is not 2")
-    bowties, pieces, _ = submesh_topology(faces, np.arange(len(faces)))
+    bowties, pieces, _ = submesh_topology(faces)
     if pieces != 1:
         faults.append("more than one piece")
     if bowties:

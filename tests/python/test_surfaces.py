@@ -9,6 +9,8 @@ import recount
 from judge import Judge, all_shares, best_difference, pieces, share_quality
 from surfaces import SURFACES, globe, pinched_ring, pinched_spheres, plane
 
+import spheroseg
+
 
 @pytest.fixture(scope="module", params=SURFACES)
 def surface(request):
@@ -93,6 +95,15 @@ def test_a_pinch_of_the_input_is_no_bowtie():
     # Four faces around a vertex of valence 4, labelled crosswise: two bowties, one per sub-mesh.
     _, faces = globe(4, 2)
     assert Judge(faces).judge(np.array([0, 1, 0, 1, 2, 2, 2, 2]), 3).bowtie_count == 2
+
+
+def test_a_strip_of_the_input_that_touches_itself_is_a_disk():
+    corners = np.array([0, 1, 2, 3, 4, 5, 6, 0])  # the ends have this vertex in common, no edge
+    faces = np.column_stack((corners[:-2], corners[1:-1], corners[2:]))
+    labels = np.zeros(len(faces), int)
+    vertices = np.random.default_rng(0).normal(size=(7, 3))
+    for found in (recount.measures(faces, labels), spheroseg.measure(vertices, faces, labels)):
+        assert (found["bowtie_count"], found["disk_count"]) == (0, 1)
 
 
 def test_two_bowties_in_a_plane():
