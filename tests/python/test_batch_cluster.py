@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -310,3 +311,39 @@ def test_an_address_that_is_none_is_said_soon_and_without_a_traceback(tmp_path):
         assert (code, said.count("\n")) == (2, 1)
         assert f"no Dask scheduler answers at {address}: " in said
         assert time.monotonic() - began < 10
+
+
+def test_what_is_no_scheduler_is_said_in_one_line(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("distributed")
+    dask_config = pytest.importorskip("dask.config")
+    monkeypatch.setattr(runner, "_ANSWER_SECONDS", 1, raising=False)
+    write_mesh(tmp_path / "a.ply")
+
+    def said_of(address: str) -> str:
+        arguments = ["-o", str(tmp_path / "out"), "--scheduler", address]
+        began = time.monotonic()
+        assert main(["batch", str(tmp_path / "a.ply"), *arguments]) == 2
+        assert time.monotonic() - began < 10
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert f"no Dask scheduler answers at {address}: " in said
+        return said
+
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # accepts, and says nothing
+        assert "speaks no Dask" in said_of(f"tcp://127.0.0.1:{silent.getsockname()[1]}")
+    assert "TLS" in said_of("tls://127.0.0.1:1")
+    with dask_config.set({"distributed.comm.require-encryption": True}):
+        assert "encryption required" in said_of("tcp://127.0.0.1:1")
+
+
+def test_the_address_of_a_worker_is_said_to_be_one(tmp_path, capsys):
+    distributed = pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    with dask_cluster(tmp_path) as (address, start_worker, _):
+        start_worker()
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=60)
+            (worker,) = client.scheduler_info()["workers"]
+        arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out")]
+        assert main([*arguments, "--scheduler", worker]) == 2
+    assert f"answers at {worker}: it is the address of a Worker\n" in capsys.readouterr().err

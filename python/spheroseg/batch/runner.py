@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs the jobs of a batch and writes the manifest."""
 
+import asyncio
 import contextlib
 import csv
 import errno
@@ -46,6 +47,7 @@ _IDLE_SECONDS = 10
 _POLL_SECONDS = 0.05
 _ARRIVAL_SECONDS = 60  # for as long NFS may remember by default that a file is not there
 _ARRIVAL_POLL_SECONDS = 0.2
+_ANSWER_SECONDS = 15
 
 # Measures of the manifest: all single values that are the same on every run.
 _MEASURES = (
@@ -222,17 +224,36 @@ def cluster(scheduler: str | None) -> Iterator[Any]:
         yield None
         return
     from distributed import Client
-    from distributed.comm import get_address_host_port
 
     for name in ("distributed", "distributed.client"):  # has a level of its own
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        get_address_host_port(scheduler)  # the client waits half a minute for one without a port
-        client = Client(scheduler, timeout="15s", set_as_default=False)
-    except (OSError, ValueError) as error:
+        asyncio.run(_ask_for_scheduler(scheduler))
+        client = Client(scheduler, timeout=_ANSWER_SECONDS, set_as_default=False)
+    # Of the last two kinds are those of encryption.
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise InputError(f"no Dask scheduler answers at {scheduler}: {error}") from None
     with client:
         yield client
+
+
+async def _ask_for_scheduler(address: str) -> None:
+    """Raises an error where none answers. A client would wait without end for one that speaks
+    another protocol, and half a minute after any other error."""
+    from distributed.comm import get_address_host_port
+    from distributed.core import rpc
+    from distributed.security import Security
+
+    get_address_host_port(address)  # half a minute for one without a port
+    encryption = Security().get_connection_args("client")
+    async with rpc(address, timeout=_ANSWER_SECONDS, connection_args=encryption) as remote:
+        try:
+            # Later than what says that nobody is there.
+            found = (await asyncio.wait_for(remote.identity(), _ANSWER_SECONDS + 1))["type"]
+        except TimeoutError as error:
+            raise OSError(str(error) or "what is there speaks no Dask") from None
+    if found != "Scheduler":
+        raise ValueError(f"it is the address of a {found}")
 
 
 def _on_dask(
