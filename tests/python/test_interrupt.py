@@ -8,10 +8,11 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
-from processes import children, has_plugin, wait_until
+from processes import children, has_plugin, is_running, wait_until
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
@@ -338,6 +339,31 @@ def test_an_interrupt_between_two_results_of_a_batch_ends_what_runs(monkeypatch)
     with pytest.raises(KeyboardInterrupt):
         runner.run_all(both, interrupt, resume=False, worker_count=2, on_hint=print)
     assert ended.is_set()
+
+
+def test_a_second_ctrl_c_leaves_no_worker_that_does_not_hear_of_the_first(tmp_path):
+    (tmp_path / "a.ply").write_bytes(ply_bytes(*bumpy_sphere(7, 0)))
+    call = [sys.executable, "-m", "spheroseg", "batch", "a.ply", "-o", "out", "-k", "20"]
+    process = subprocess.Popen(
+        [*call, "--effort", "high"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=ENVIRONMENT,
+    )
+    wait_until(lambda: has_plugin(children(process.pid)))
+    (worker,) = children(process.pid)
+    os.kill(worker, signal.SIGSTOP)  # as one that waits for a disk
+    try:
+        for _ in range(2):
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.5)
+        _, complained = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert (process.returncode, complained) == (130, "spheroseg batch: interrupted\n")
+    assert not is_running(worker)
 
 
 def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():

@@ -211,9 +211,11 @@ def _end_running(submitted: list[futures.Future]) -> None:
     """Ends what runs, and what was just about to begin, and waits for it."""
     began = time.monotonic()
     while not all(future.done() for future in submitted):
-        patient = time.monotonic() - began < _GRACE_SECONDS
-        signal_running(signal.SIGINT if patient else signal.SIGKILL)
-        futures.wait(submitted, timeout=_POLL_SECONDS)
+        # After a second Ctrl-C nobody else would end what does not hear of the first.
+        with contextlib.suppress(KeyboardInterrupt):
+            patient = time.monotonic() - began < _GRACE_SECONDS
+            signal_running(signal.SIGINT if patient else signal.SIGKILL)
+            futures.wait(submitted, timeout=_POLL_SECONDS)
 
 
 @contextlib.contextmanager
