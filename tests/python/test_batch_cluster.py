@@ -244,7 +244,7 @@ def test_batches_on_one_scheduler_get_their_own_results(tmp_path):
 def test_a_result_of_other_settings_is_refused(tmp_path):
     job = jobs.Job("a.ply", "a", str(tmp_path), {"submesh_count": 3}, (".ply",), {})
     own, other = ({"settings": job.settings() | {"options": {"submesh_count": k}}} for k in (3, 8))
-    own["status"] = "failed"
+    own |= {"status": "failed", "input_sha256": None}
     results = runner._ResultsOfCluster()
     assert results.checked(job, own) is own
     refused = results.checked(job, other)
@@ -275,6 +275,34 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
     assert f"not in {output} here" in said
     assert [row["status"] for row in rows(output)] == ["failed", "failed"]
     assert (tmp_path / "elsewhere" / "a.ply").exists()
+
+
+@pytest.mark.parametrize(
+    ("preload", "error"),
+    [
+        (
+            "import dataclasses\nfrom spheroseg.batch import jobs\n"
+            "def run_job(job, run=jobs.run_job):\n"
+            "    return run(dataclasses.replace(job, mesh='/nowhere/a.ply'))\n"
+            "jobs.run_job = run_job\n",
+            "no such file on {host}, but here: each worker must see it, too",
+        ),
+        (
+            "import sys\nsys.modules['spheroseg.batch.jobs'] = None\n",
+            "ImportError: on {host}: import of spheroseg.batch.jobs halted; None in sys.modules",
+        ),
+    ],
+)
+def test_a_worker_that_lacks_what_a_mesh_needs_is_named(preload, error, tmp_path):
+    pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    (tmp_path / "lacking.py").write_text(preload)
+    output = tmp_path / "out"
+    with dask_cluster(tmp_path, "--preload", tmp_path / "lacking.py") as (address, start_worker, _):
+        start_worker()
+        arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(output)]
+        assert main([*arguments, "--scheduler", address]) == 1
+    assert [row["error"] for row in rows(output)] == [error.format(host=socket.gethostname())]
 
 
 def test_a_result_that_a_network_shows_late_is_waited_for(tmp_path):

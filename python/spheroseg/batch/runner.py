@@ -264,9 +264,14 @@ def _on_dask(
     # A local function travels by value. One of this module would be imported by the scheduler,
     # where the package need not be, and where PyMeshLab, imported in a thread, aborts at exit.
     def run_on_worker(job: Record) -> Record:
-        from spheroseg.batch.jobs import Job, run_job
+        import socket
 
-        return run_job(Job(**job))
+        host = socket.gethostname()
+        try:
+            from spheroseg.batch.jobs import Job, run_job
+        except ImportError as error:
+            raise ImportError(f"on {host}: {error}") from None  # PluginError does not travel
+        return run_job(Job(**job)) | {"host": host}
 
     def on_idle() -> None:
         on_hint(
@@ -344,6 +349,10 @@ class _ResultsOfCluster:
         """The record, or that of a failure."""
         if record["settings"] != job.settings():
             return failed_record(job, "the cluster gave the result of other settings; try again")
+        is_unseen = record["status"] == "failed" and record["input_sha256"] is None
+        if is_unseen and Path(job.mesh).is_file():
+            error = f"{record['error']} on {record['host']}, but here: each worker must see it, too"
+            return record | {"error": error}
         if record["status"] != "done" or self._has_arrived(job, record):
             return record
         return failed_record(
