@@ -741,6 +741,19 @@ def test_full_disk_is_one_clear_line_and_ends_the_run(tmp_path, small_disk):
             assert digests.sha256(small_disk / "out" / file) == digest
 
 
+def test_a_disk_that_is_full_before_the_first_mesh_is_no_bad_usage(tmp_path, small_disk, capsys):
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(small_disk / "out"), "-k", "4"]
+    with contextlib.suppress(OSError):
+        (small_disk / "all").write_bytes(bytes(2**20))
+    for more in ([], ["--resume"]):
+        assert main([*arguments, *more]) == 1
+        said = capsys.readouterr().err
+        assert (said.count("no room left"), said.count("--resume"), said.count("\n")) == (1, 1, 1)
+    (small_disk / "all").unlink()
+    assert main([*arguments, "--resume"]) == 0
+
+
 @pytest.mark.parametrize(
     "option", [("-k", "0"), ("--threads", "-1"), ("--time-limit", "-1"), ("-k", "-3")]
 )

@@ -66,36 +66,36 @@ def run(arguments) -> int:
     _check_packages(arguments)
     jobs, workers = _jobs(arguments)
     lists = [Path(text) for text in arguments.inputs]
-    with (
-        runner.cluster(arguments.scheduler) as client,  # where none answers, nothing is touched
-        runner.prepared_folder(folder, jobs, lists, arguments.resume),
-    ):
-        atomic.remove_leftovers(folder)
-        return _run(arguments, jobs, workers, client)
-
-
-def _run(arguments, jobs: list[Job], workers: int, client) -> int:
     try:
-        with MeshProgress("Segmenting", len(jobs)) as progress:
-
-            def done(record: dict) -> None:
-                if record["status"] == "failed":
-                    progress.say_failed(f"{record['mesh']}: {record['error']}")
-                progress.advance()
-
-            records = runner.run_all(
-                jobs,
-                done,
-                resume=arguments.resume,
-                worker_count=workers,
-                on_hint=lambda hint: progress.say(f"spheroseg batch: {hint}"),
-                client=client,
-                scheduler=arguments.scheduler,
-            )
-        manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)
+        with (
+            runner.cluster(arguments.scheduler) as client,  # where none answers, nothing is touched
+            runner.prepared_folder(folder, jobs, lists, arguments.resume),
+        ):
+            atomic.remove_leftovers(folder)
+            return _run(arguments, jobs, workers, client)
     except atomic.DiskFullError as error:
         complain(f"spheroseg batch: {error.strerror} with --resume")
         return 1
+
+
+def _run(arguments, jobs: list[Job], workers: int, client) -> int:
+    with MeshProgress("Segmenting", len(jobs)) as progress:
+
+        def done(record: dict) -> None:
+            if record["status"] == "failed":
+                progress.say_failed(f"{record['mesh']}: {record['error']}")
+            progress.advance()
+
+        records = runner.run_all(
+            jobs,
+            done,
+            resume=arguments.resume,
+            worker_count=workers,
+            on_hint=lambda hint: progress.say(f"spheroseg batch: {hint}"),
+            client=client,
+            scheduler=arguments.scheduler,
+        )
+    manifest = runner.write_manifest(Path(arguments.output), records, arguments.manifest)
     lost = next((record["error"] for record in records if record["status"] == "undone"), None)
     if lost:
         complain(f"spheroseg batch: {lost}; go on with --resume")
