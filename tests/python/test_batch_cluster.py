@@ -272,7 +272,7 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
         assert main([*arguments, "-k", "8", "--resume", "--scheduler", address]) == 1
     said = capsys.readouterr().err
     assert said.count("DIR must be a folder that all machines share") == 2
-    assert f"not in {output} here" in said
+    assert f"done on {socket.gethostname()}, but the result is not in {output} here" in said
     assert [row["status"] for row in rows(output)] == ["failed", "failed"]
     assert (tmp_path / "elsewhere" / "a.ply").exists()
 

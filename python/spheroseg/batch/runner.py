@@ -357,8 +357,8 @@ class _ResultsOfCluster:
             return record
         return failed_record(
             job,
-            f"done on the worker, but the result is not in {job.folder} here: DIR must be a folder "
-            "that all machines share",
+            f"done on {record['host']}, but the result is not in {job.folder} here: DIR must be a "
+            "folder that all machines share",
         )
 
     def _has_arrived(self, job: Job, record: Record) -> bool:
