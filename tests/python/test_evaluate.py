@@ -366,8 +366,41 @@ def test_a_name_with_dollar_signs_is_no_formula():
     name = "price$_{1$"
     details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}
     assert name in plots.iterations({"details": details}, name)
-    row = {"mesh": name, "method": "metis_kway", "shared_memory_bytes": 1024}
-    assert name in plots.shared_memory([row], {"metis_kway": "METIS"})
+    assert name in plots.shared_memory(memory_rows(name, 1024), MEMORY_TITLES)
+
+
+MEMORY_TITLES = {"metis_kway": "METIS k-way", "fast_high": "Fast, high"}
+
+
+def memory_rows(name: str, *sizes: int) -> list[dict]:
+    return [
+        {"mesh": name, "method": method, "shared_memory_bytes": size}
+        for method, size in zip(MEMORY_TITLES, sizes, strict=False)
+    ]
+
+
+def test_long_names_leave_a_diagram_its_room():
+    name = "scans/" + "2026/" * 40 + "head"
+    # matplotlib warns where names take all the room, and a warning fails a test.
+    svg = plots.shared_memory(memory_rows(name, 1024, 2048), MEMORY_TITLES)
+    assert "head" in svg
+    assert name not in svg
+    details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}
+    svg = plots.iterations({"details": details}, f"{name}, k = 7: Fast, high")
+    assert "head, k = 7: Fast, high" in svg
+    assert name not in svg
+
+
+def test_bars_of_like_memory_are_alike(monkeypatch):
+    figures = []
+    monkeypatch.setattr(plots, "_svg", figures.append)
+    plots.shared_memory(memory_rows("m", 5000, 5050), MEMORY_TITLES)
+    axis = figures[0].axes[0]
+    figures[0].draw_without_rendering()
+    short, tall = (bar.get_window_extent().y1 - axis.bbox.y0 for bar in axis.patches)
+    assert 0.95 * tall < short < tall < axis.bbox.height
+    # Nothing lies on them.
+    assert axis.get_legend().get_window_extent().x0 >= axis.bbox.x1
 
 
 def test_commit_is_that_of_this_package_and_not_of_a_repository_around_it(tmp_path, monkeypatch):

@@ -22,6 +22,9 @@ _STYLE = {
 _COLOURS = ("#0b6e99", "#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdbe85", "#756bb1")
 _MARKERS = "osD^vP*X"
 _HATCHES = ("", "////")
+# Characters that a diagram has room for.
+_LONGEST_NAME = 48
+_LONGEST_TITLE = 96
 
 
 def iterations(row: dict, title: str) -> str | None:
@@ -54,18 +57,20 @@ def iterations(row: dict, title: str) -> str | None:
             if values is seconds:
                 axis.set_yscale("log")
                 _label_plainly(axis.yaxis)
-        figure.suptitle(title, fontsize=10, parse_math=False)
+        figure.suptitle(_shortened(title, _LONGEST_TITLE), fontsize=10, parse_math=False)
         return _svg(figure)
 
 
 def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
     """Bytes of the largest sub-mesh by mesh and method (the paper's Fig. 10, bottom)."""
     meshes = list(dict.fromkeys(row["mesh"] for row in rows))
+    names = [_shortened(mesh, _LONGEST_NAME) for mesh in meshes]
+    height = 3.2 + 0.05 * max(map(len, names))  # names must not take their room from the bars
     methods = list(titles)
     width = 0.8 / len(methods)
     with pyplot.rc_context(_STYLE):
         figure, axis = pyplot.subplots(
-            figsize=(min(12, 3.5 + 1.2 * len(meshes)), 3.2), layout="constrained"
+            figsize=(min(12, 5 + 1.2 * len(meshes)), height), layout="constrained"
         )
         for index, method in enumerate(methods):
             values = {
@@ -75,12 +80,15 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
             look = {"color": mark(index)[0], "hatch": _HATCHES[index // len(_COLOURS)]}
             axis.bar(places, values.values(), width, label=titles[method], **look)
         turned = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
-        axis.set_xticks(range(len(meshes)), meshes, parse_math=False, **turned)
+        axis.set_xticks(range(len(meshes)), names, parse_math=False, **turned)
         axis.set_yscale("log")
         _label_plainly(axis.yaxis)
+        # Else the least bar has no length, and all differ from it by much.
+        bytes_of = [row["shared_memory_bytes"] for row in rows]
+        axis.set_ylim(min(bytes_of) / 1024 / 2, max(bytes_of) / 1024 * 1.2)
         axis.grid(visible=False, axis="x")
         axis.set_ylabel("KiB of the largest sub-mesh")
-        axis.legend(fontsize=7, ncols=2)
+        axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
 
 
@@ -141,6 +149,12 @@ class _PlainNumbers(ticker.LogFormatter):
 def _label_plainly(logarithmic_axis) -> None:
     logarithmic_axis.set_major_formatter(_PlainNumbers())
     logarithmic_axis.set_minor_formatter(_PlainNumbers())
+
+
+def _shortened(text: str, longest: int) -> str:
+    """The text, or its two ends where it is longer."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]}…{text[-half:]}"
 
 
 def _svg(figure) -> str:
