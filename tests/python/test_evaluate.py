@@ -445,6 +445,18 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     assert "<summary>Left out: 1 case</summary>" in text
 
 
+def test_there_is_no_view_where_every_mesh_is_too_large_for_it(tmp_path):
+    write_inputs(tmp_path / "in")
+    first = tmp_path / "in" / "first.ply"
+    for limit, is_there in (("511", False), ("512", True)):
+        options = ("--viewer-limit", limit)
+        assert evaluate(first, tmp_path / "out", *options, methods=("all_pairs",)) == 0
+        text = (tmp_path / "out" / "report.html").read_text()
+        assert_links_lead_somewhere(text)
+        assert ("<canvas" in text) == is_there
+        assert ("Too large for this page: first (pictures below)." in text) != is_there
+
+
 def test_diagrams_are_of_the_largest_k_that_was_done(tmp_path):
     (tmp_path / "in").mkdir()
     (tmp_path / "in" / "small.ply").write_bytes(ply_bytes(*octahedron()))
