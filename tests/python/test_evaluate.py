@@ -443,6 +443,18 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     text = (tmp_path / "out" / "report.html").read_text()
     assert "1 mesh, 1 method, k = 5, 16" in text
     assert "<summary>Left out: 1 case</summary>" in text
+    assert "k = 16: Region growing (only 8 triangles)" in text
+
+
+def test_one_triangle_is_one_triangle(tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "one.ply").write_bytes(ply_bytes(np.eye(3), np.array([[0, 1, 2]])))
+    methods = ("fast_draft", "region_growing")
+    arguments = ["evaluate", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "1", "2"]
+    assert main([*arguments, "--methods", ",".join(methods)]) == 0
+    text = (tmp_path / "out" / "report.html").read_text()
+    # A comma is in the title of a method already.
+    assert "<li>one, k = 2: Fast, draft; Region growing (only 1 triangle)</li>" in text
 
 
 def test_there_is_no_view_where_every_mesh_is_too_large_for_it(tmp_path):

@@ -151,6 +151,23 @@ def test_no_turn_cuts_the_mesh_off(browser):
             assert not any(edge.any() for edge in (drawn[:3], drawn[-3:], drawn[:, :3]))
 
 
+def test_counts_of_one_are_told_in_the_singular(browser):
+    def told(*counts: int) -> str:
+        return browser.execute_script(
+            "const [triangles, vertices, edges, bowties] = arguments;"
+            "const kept = spherosegViewer.counts;"
+            "spherosegViewer.counts = {triangles, vertices, edges, bowties};"
+            "spherosegViewer.picked = 0;"
+            "spherosegViewer.tell();"
+            "spherosegViewer.counts = kept;"
+            "return spherosegViewer.note.textContent",
+            *([count] for count in counts),
+        )
+
+    assert told(1, 1, 1, 1) == "Sub-mesh 0: 1 triangle, 1 vertex, 1 boundary edge, 1 bowtie"
+    assert told(2, 4, 0, 2) == "Sub-mesh 0: 2 triangles, 4 vertices, 0 boundary edges, 2 bowties"
+
+
 def test_click_beside_the_mesh_picks_nothing(browser):
     browser.execute_script("spherosegViewer.pick(2, 2)")
     assert note(browser).startswith("Click or tap")

@@ -105,7 +105,7 @@ def judged(vertices, faces, graph: DualGraph, outcome: Outcome, k: int) -> dict:
 
 def _obstacle(name: str, face_count: int, k: int, all_pairs_limit: int) -> str | None:
     if k > face_count:
-        return f"only {face_count:,} triangles"
+        return f"only {face_count:,} triangle{'' if face_count == 1 else 's'}"
     if name == "all_pairs" and face_count > all_pairs_limit:
         return f"above {all_pairs_limit:,} triangles"
     return None

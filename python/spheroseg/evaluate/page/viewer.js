@@ -300,9 +300,14 @@ class Viewer {
             this.note.textContent = "Click or tap a sub-mesh to see its counts.";
             return;
         }
-        const of = (name) => this.counts[name][this.picked];
-        this.note.textContent = `Sub-mesh ${this.picked}: ${of("triangles")} triangles, ` +
-            `${of("vertices")} vertices, ${of("edges")} boundary edges, ${of("bowties")} bowties`;
+        const of = (name, one, many) => {
+            const count = this.counts[name][this.picked];
+            return `${count} ${count === 1 ? one : many}`;
+        };
+        this.note.textContent = `Sub-mesh ${this.picked}: ` +
+            [of("triangles", "triangle", "triangles"), of("vertices", "vertex", "vertices"),
+             of("edges", "boundary edge", "boundary edges"),
+             of("bowties", "bowtie", "bowties")].join(", ");
     }
 }
 
