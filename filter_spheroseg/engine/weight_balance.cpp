@@ -43,11 +43,7 @@ public:
         for (int i = 0; i < kStepCount && missed < 0.0 && (i == 0 || !expired()); ++i) {
             note(kSteps[i], i);
         }
-        for (int i = 0; i < kHalvings && missed >= 0.0 && !expired(); ++i) {
-            reached = std::min(reached, heaviest_load(best_) / mean_ - 1.0);
-            if (reached <= missed) {
-                break;
-            }
+        for (int i = 0; i < kHalvings && missed >= 0.0 && reached > missed && !expired(); ++i) {
             note(0.5 * (reached + missed), kStepCount);
         }
         patchwork_ = best_;
@@ -55,9 +51,11 @@ public:
         if (least < heaviest_load(best_) && heaviest_load(best_) > near_enough(best_)) {
             // Exchanges have raised the load again, up to a limit that was kept.
             patchwork_ = least_;
-            if (!expired()) {
-                exchange_below(least, kStepCount);
-            }
+            is_exchanged_ = false;
+        }
+        // What lowering alone has reached has a long boundary.
+        if (!is_exchanged_ && !expired()) {
+            exchange_below(heaviest_load(patchwork_), kStepCount);
         }
     }
 
@@ -89,6 +87,7 @@ private:
         anneal_below(patchwork_, limit, exchanges_, control);
         control_.max_phases = std::max(0, control_.max_phases - exchanges_.phase_count);
         best_ = patchwork_;
+        is_exchanged_ = true;
     }
 
     /// The part of the progress after which a step begins.
@@ -114,6 +113,7 @@ private:
     void keep_best() {
         if (heaviest_load(patchwork_) < heaviest_load(best_)) {
             best_ = patchwork_;
+            is_exchanged_ = false;
         }
         if (heaviest_load(patchwork_) < heaviest_load(least_)) {
             least_ = patchwork_;
@@ -132,6 +132,8 @@ private:
     /// What the next step begins with, and what has the least heaviest load so far.
     Patchwork best_;
     Patchwork least_;
+    /// `best_` comes from exchanges.
+    bool is_exchanged_ = true;
 };
 
 } // namespace
