@@ -190,6 +190,25 @@ def test_every_labelling_can_be_shown(browser):
             assert (canvas_pixels(browser) < 250).any()
 
 
+def test_of_two_choices_the_later_one_is_shown_in_the_end(browser):
+    choose(browser, 0, "first")
+    wait_until(lambda: shown(browser) == "All pairs, k = 5")
+    left = browser.execute_async_script(
+        "const done = arguments[0], menu = document.querySelector('#viewer select');"
+        "const places = () => [...spherosegViewer.positions].join();"
+        "const wanted = places(), original = unpack;"
+        "let calls = 0;"
+        # The one chosen first takes longer: two arrays of a mesh, four of a labelling.
+        "window.unpack = async (text) => {"
+        "    if (calls++ < 2) await new Promise((go) => setTimeout(go, 300));"
+        "    return original(text); };"
+        "for (const index of [1, 0]) {"
+        "    menu.selectedIndex = index; menu.dispatchEvent(new Event('change')); }"
+        "setTimeout(() => { window.unpack = original; done([calls, places() === wanted]); }, 1500)"
+    )
+    assert left == [12, True]
+
+
 def test_phone_screen_needs_no_sideways_scrolling(browser):
     metrics = {"width": 380, "height": 760, "deviceScaleFactor": 2, "mobile": True}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)

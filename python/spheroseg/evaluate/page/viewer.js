@@ -336,9 +336,12 @@ async function startViewer() {
         await showLabels();
     };
     meshMenu.replaceChildren(...index.map((mesh, i) => new Option(mesh.title, i)));
-    meshMenu.addEventListener("change", showMesh);
-    labelMenu.addEventListener("change", showLabels);
-    await showMesh();
+    // One after the other: of two choices the later one may be unpacked sooner.
+    let shown = showMesh();
+    const inTurn = (show) => () => { shown = shown.then(show, show); };
+    meshMenu.addEventListener("change", inTurn(showMesh));
+    labelMenu.addEventListener("change", inTurn(showLabels));
+    await shown;
     window.spherosegViewer = viewer;
 }
 
