@@ -5,10 +5,13 @@ how messages count and show names."""
 import os
 from pathlib import Path
 
+_ESCAPES = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0))}
+
 
 def one_line(message: str) -> str:
-    """For logs and terminals, whatever names and libraries put into it."""
-    return " ".join(message.split())
+    """For logs and terminals, whatever names and libraries put into it: control characters, which
+    move a cursor or change colours, are escaped."""
+    return " ".join(message.split()).translate(_ESCAPES)
 
 
 def counted(count: int, one: str, plural: str) -> str:

@@ -483,6 +483,13 @@ def test_no_image_that_is_there_is_replaced(run, tmp_path):
     assert (tmp_path / "a_2.jpg").read_bytes() == JPEG
 
 
+def test_control_characters_in_names_do_not_reach_the_terminal(run):
+    code, _, error = run("measure", "\x1b[31mred\x9b.ply")
+    assert code == 2
+    assert "\\x1b[31mred\\x9b.ply" in error
+    assert error.strip().isprintable()
+
+
 def test_images_that_can_not_be_had_are_named_in_one_line(run, tmp_path):
     mesh = write_textured_cube(tmp_path / "in", "no.png", "b.png", "../no.jpg")
     (tmp_path / "in" / "b.png").write_bytes(PNG)
