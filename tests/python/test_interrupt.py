@@ -9,10 +9,11 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
-from processes import children, has_plugin, is_running, wait_until
+from processes import children, has_plugin, is_running, read_or_nothing, wait_until
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
@@ -352,7 +353,13 @@ def test_a_second_ctrl_c_leaves_no_worker_that_does_not_hear_of_the_first(tmp_pa
         text=True,
         env=ENVIRONMENT,
     )
-    wait_until(lambda: has_plugin(children(process.pid)))
+
+    # A child that has not become the worker yet has the mappings of its parent, which waits for
+    # it: to stop it would stop both.
+    def is_worker(child: int) -> bool:
+        return "batch.worker" in read_or_nothing(Path(f"/proc/{child}/cmdline"))
+
+    wait_until(lambda: any(map(is_worker, found := children(process.pid))) and has_plugin(found))
     (worker,) = children(process.pid)
     os.kill(worker, signal.SIGSTOP)  # as one that waits for a disk
     try:

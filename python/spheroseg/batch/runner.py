@@ -200,8 +200,14 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
             for future in futures.as_completed(submitted):
                 yield future.result()
         except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            _end_running(submitted)
+            # A second Ctrl-C would break off what ends the processes that do not hear of the first.
+            # Not SIG_IGN, which a process that is just begun would inherit.
+            before = signal.signal(signal.SIGINT, lambda *_: None)
+            try:
+                pool.shutdown(wait=False, cancel_futures=True)
+                _end_running(submitted)
+            finally:
+                signal.signal(signal.SIGINT, before)
             raise
         finally:
             pool.shutdown(cancel_futures=True)
@@ -211,11 +217,9 @@ def _end_running(submitted: list[futures.Future]) -> None:
     """Ends what runs, and what was just about to begin, and waits for it."""
     began = time.monotonic()
     while not all(future.done() for future in submitted):
-        # After a second Ctrl-C nobody else would end what does not hear of the first.
-        with contextlib.suppress(KeyboardInterrupt):
-            patient = time.monotonic() - began < _GRACE_SECONDS
-            signal_running(signal.SIGINT if patient else signal.SIGKILL)
-            futures.wait(submitted, timeout=_POLL_SECONDS)
+        patient = time.monotonic() - began < _GRACE_SECONDS
+        signal_running(signal.SIGINT if patient else signal.SIGKILL)
+        futures.wait(submitted, timeout=_POLL_SECONDS)
 
 
 @contextlib.contextmanager
