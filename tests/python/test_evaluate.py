@@ -364,11 +364,14 @@ def test_meshes_of_any_size_are_shown_alike(tmp_path):
 
 def test_a_name_with_dollar_signs_is_no_formula():
     name = "price$_{1$"
-    details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}
-    assert name in plots.iterations({"details": details}, name)
+    assert name in plots.iterations(ITERATIONS, name)
     assert name in plots.shared_memory(memory_rows(name, 1024), MEMORY_TITLES)
 
 
+ITERATIONS = {
+    "method": "fast_high",
+    "details": {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]},
+}
 MEMORY_TITLES = {"metis_kway": "METIS k-way", "fast_high": "Fast, high"}
 
 
@@ -385,8 +388,7 @@ def test_long_names_leave_a_diagram_its_room():
     svg = plots.shared_memory(memory_rows(name, 1024, 2048), MEMORY_TITLES)
     assert "head" in svg
     assert name not in svg
-    details = {"boundary_edges_by_iteration": [9, 8], "seconds_by_iteration": [1.0, 1.0]}
-    svg = plots.iterations({"details": details}, f"{name}, k = 7: Fast, high")
+    svg = plots.iterations(ITERATIONS, f"{name}, k = 7: Fast, high")
     assert "head, k = 7: Fast, high" in svg
     assert name not in svg
 
@@ -857,14 +859,15 @@ def test_summary_compares_with_the_better_metis_mode():
 def test_one_result_is_plotted_whatever_its_time():
     # With these the logarithm's rounding made an axis of no length, and a division by it.
     row = {
-        "method": "fast",
+        "method": "fast_high",
         "seconds": 5.1380740783157756e-05,
         "triangle_count": 8,
         "boundary_edges_over_hexagonal": 0.5,
         "run_count": 1,
         "valid_run_count": 1,
     }
-    assert "Title of the method" in plots.quality_and_time([row], {"fast": "Title of the method"})
+    titles = {"fast_high": "Title of the method"}
+    assert "Title of the method" in plots.quality_and_time([row], titles)
 
 
 def test_summary_is_of_geometric_means_over_cases_that_all_have_done():
@@ -925,7 +928,18 @@ def test_default_methods_exist_and_others_are_named():
 
 
 def test_each_method_has_its_own_colour_and_marker():
-    assert len({plots.mark(index) for index in range(len(METHODS))}) == len(METHODS)
+    assert plots.LOOKS.keys() == METHODS.keys()
+    for one in zip(*plots.LOOKS.values(), strict=True):
+        assert len(set(one)) == len(METHODS)
+
+
+def test_a_method_has_the_same_colour_whatever_it_is_compared_with(monkeypatch):
+    figures = []
+    monkeypatch.setattr(plots, "_svg", figures.append)
+    for titles in (MEMORY_TITLES, {"all_pairs": "All pairs"} | MEMORY_TITLES):
+        plots.shared_memory(memory_rows("m", 1024, 2048), titles)
+    alone, beside = ([bar.get_facecolor() for bar in figure.axes[0].patches] for figure in figures)
+    assert alone == beside
 
 
 def test_missing_packages_are_named_with_the_remedy(tmp_path, monkeypatch, capsys):

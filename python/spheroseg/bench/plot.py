@@ -6,7 +6,7 @@ from pathlib import Path
 from matplotlib import pyplot
 
 from spheroseg.bench.statistics import Table, submesh_count
-from spheroseg.evaluate.plots import mark, mark_quality_and_time
+from spheroseg.evaluate.plots import LOOKS, mark_quality_and_time
 
 
 def quality_and_time(
@@ -14,10 +14,9 @@ def quality_and_time(
 ) -> None:
     """BE over the hexagonal bound against microseconds per triangle, one panel per k. Large marks
     are geometric means; filled ones: every result was valid."""
-    methods = list(titles)
     figure, axes = pyplot.subplots(2, 2, figsize=(9.6, 7.2), layout="constrained")
     for axis, kind in zip(axes.flat, kinds, strict=False):
-        for index, method in enumerate(methods, 1):  # the report's first one is all_pairs
+        for method, title in titles.items():
             cases = [
                 table.get(mesh, submesh_count(kind, count), method)
                 for mesh, count in table.meshes.items()
@@ -28,7 +27,7 @@ def quality_and_time(
             times = [1e6 * case.seconds / case.triangle_count for case in cases]
             edges = [case.boundary_edges_over_hexagonal for case in cases]
             valid = all(case.invalid_count == 0 for case in cases)
-            mark_quality_and_time(axis, times, edges, titles[method], *mark(index), valid)
+            mark_quality_and_time(axis, times, edges, title, *LOOKS[method], valid)
         axis.set_title(f"k = {kind}", fontsize=10)
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)

@@ -19,9 +19,20 @@ _STYLE = {
     "axes.spines.top": False,
     "axes.spines.right": False,
 }
-_COLOURS = ("#0b6e99", "#66c2a5", "#2ca25f", "#006d2c", "#e6550d", "#fd8d3c", "#fdbe85", "#756bb1")
-_MARKERS = "osD^vP*X"
-_HATCHES = ("", "////")
+# Colour and marker of each method, the same in every report.
+LOOKS = {
+    "all_pairs": ("#0b6e99", "o"),
+    "fast_draft": ("#66c2a5", "s"),
+    "fast_standard": ("#2ca25f", "D"),
+    "fast_high": ("#006d2c", "^"),
+    "metis_kway": ("#e6550d", "v"),
+    "metis_recursive": ("#fd8d3c", "P"),
+    "metis_tight": ("#a63603", "p"),
+    "metis_limit": ("#fdbe85", "*"),
+    "kaminpar_exact": ("#dd1c77", "h"),
+    "mtkahypar_quality": ("#c994c7", "<"),
+    "region_growing": ("#756bb1", "X"),
+}
 # Characters that a diagram has room for.
 _LONGEST_NAME = 48
 _LONGEST_TITLE = 96
@@ -40,7 +51,7 @@ def iterations(row: dict, title: str) -> str | None:
             axes, (edges, seconds), ("boundary edges", "seconds per iteration"), strict=True
         ):
             numbers = range(1, len(values) + 1)
-            axis.plot(numbers, values, ".-", color=_COLOURS[0])
+            axis.plot(numbers, values, ".-", color=LOOKS[row["method"]][0])
             if 0 < cohesion < len(values):
                 axis.axvline(cohesion + 0.5, color="#888888", linestyle="--", linewidth=1)
                 axis.annotate(
@@ -77,8 +88,8 @@ def shared_memory(rows: list[dict], titles: dict[str, str]) -> str:
                 r["mesh"]: r["shared_memory_bytes"] / 1024 for r in rows if r["method"] == method
             }
             places = [meshes.index(mesh) + (index + 0.5) * width - 0.4 for mesh in values]
-            look = {"color": mark(index)[0], "hatch": _HATCHES[index // len(_COLOURS)]}
-            axis.bar(places, values.values(), width, label=titles[method], **look)
+            colour = LOOKS[method][0]
+            axis.bar(places, values.values(), width, label=titles[method], color=colour)
         turned = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
         axis.set_xticks(range(len(meshes)), names, parse_math=False, **turned)
         axis.set_yscale("log")
@@ -118,24 +129,16 @@ def mark_quality_and_time(
 
 def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
     """All meshes and k, as mark_quality_and_time draws them."""
-    methods = list(titles)
     with pyplot.rc_context(_STYLE):
         figure, axis = pyplot.subplots(figsize=(7.2, 4), layout="constrained")
-        for index, method in enumerate(methods):
+        for method, title in titles.items():
             mine = [row for row in rows if row["method"] == method]
             times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
             edges = [row["boundary_edges_over_hexagonal"] for row in mine]
             valid = all(row["valid_run_count"] == row["run_count"] for row in mine)
-            mark_quality_and_time(axis, times, edges, titles[method], *mark(index), valid)
+            mark_quality_and_time(axis, times, edges, title, *LOOKS[method], valid)
         axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
-
-
-def mark(index: int) -> tuple[str, str]:
-    """Colour and marker of a method, a pair of its own for each of 16."""
-    turn, colour = divmod(index, len(_COLOURS))
-    # Half the markers on: a like colour has then another marker, too.
-    return _COLOURS[colour], _MARKERS[(colour + turn * len(_MARKERS) // 2) % len(_MARKERS)]
 
 
 class _PlainNumbers(ticker.LogFormatter):
