@@ -30,6 +30,8 @@ pytest.importorskip("jinja2")
 pytest.importorskip("pyvista")
 pytest.importorskip("matplotlib")
 
+from matplotlib.transforms import Affine2D
+
 from spheroseg import api, packages
 from spheroseg.baselines import BASELINES
 from spheroseg.batch import inputs
@@ -868,6 +870,24 @@ def test_one_result_is_plotted_whatever_its_time():
     }
     titles = {"fast_high": "Title of the method"}
     assert "Title of the method" in plots.quality_and_time([row], titles)
+
+
+def test_marks_of_a_legend_lie_apart(monkeypatch):
+    figures = []
+    monkeypatch.setattr(plots, "_svg", figures.append)
+    titles = {name: method.title for name, method in METHODS.items()}
+    plots.quality_and_time([row(method, 50) for method in METHODS], titles)
+    (figure,) = figures
+    figure.draw_without_rendering()
+    (axis,) = figure.axes
+    places = [text.get_window_extent().y0 for text in axis.get_legend().get_texts()]
+    heights = [
+        mark.get_paths()[0].get_extents(Affine2D(mark.get_transforms()[0])).height
+        for mark in axis.get_legend().legend_handles
+    ]
+    assert len(places) == len(heights) == len(METHODS)
+    gaps = -np.diff(places) - (np.array(heights[1:]) + heights[:-1]) / 2
+    assert gaps.min() > 1
 
 
 def test_summary_is_of_geometric_means_over_cases_that_all_have_done():

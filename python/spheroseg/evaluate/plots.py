@@ -137,7 +137,8 @@ def quality_and_time(rows: list[dict], titles: dict[str, str]) -> str:
             edges = [row["boundary_edges_over_hexagonal"] for row in mine]
             valid = all(row["valid_run_count"] == row["run_count"] for row in mine)
             mark_quality_and_time(axis, times, edges, title, *LOOKS[method], valid)
-        axis.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1, 1))
+        # Rows as high as the marks.
+        axis.legend(fontsize=7, labelspacing=1.1, loc="upper left", bbox_to_anchor=(1, 1))
         return _svg(figure)
 
 
