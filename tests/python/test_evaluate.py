@@ -872,6 +872,32 @@ def test_one_result_is_plotted_whatever_its_time():
     assert "Title of the method" in plots.quality_and_time([row], titles)
 
 
+def test_what_has_no_boundary_counts_in_no_mean():
+    both = [row(method, 50) for method in summary.METIS_MODES]
+    whole = [row("fast_high", 0, mesh="n", seconds=1.0), row("fast_draft", 0)]
+    draft, fast, *_ = summary.summary([row("fast_high", 25), *whole, *both])
+    assert (fast["method"], fast["result_count"]) == ("fast_high", 2)
+    assert fast["boundary_edges_over_hexagonal"] == pytest.approx(25 / 24)
+    assert fast["microseconds_per_triangle"] == pytest.approx(1)
+    assert fast["boundary_over_metis"] == pytest.approx(0.5)
+    assert (draft["method"], draft["valid_count"]) == ("fast_draft", 1)
+    assert draft["boundary_edges_over_hexagonal"] is None
+    assert draft["microseconds_per_triangle"] is None
+    assert draft["boundary_over_metis_case_count"] == 0
+
+
+def test_without_any_boundary_there_is_no_diagram_of_quality(tmp_path):
+    write_inputs(tmp_path / "in")
+    arguments = ["evaluate", str(tmp_path / "in" / "first.ply"), "-o", str(tmp_path / "out")]
+    assert main([*arguments, "-k", "1", "--methods", "region_growing"]) == 0
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert_links_lead_somewhere(text)
+    assert "needs most, at k = 1." in text
+    assert 'id="time"' not in text
+    plots_written = [path.name for path in (tmp_path / "out" / "plots").iterdir()]
+    assert plots_written == ["shared-memory.svg"]
+
+
 def test_marks_of_a_legend_lie_apart(monkeypatch):
     figures = []
     monkeypatch.setattr(plots, "_svg", figures.append)

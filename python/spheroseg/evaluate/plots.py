@@ -112,7 +112,7 @@ def mark_quality_and_time(
     axis.scatter(times, edges, s=15, alpha=0.3, color=color, marker=marker)
     axis.scatter(
         [geometric_mean(times)],
-        [geometric_mean(value for value in edges if value > 0)],  # one sub-mesh has no boundary
+        [geometric_mean(edges)],
         s=90,
         marker=marker,
         facecolor=color if valid else "white",

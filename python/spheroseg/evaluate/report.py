@@ -15,7 +15,7 @@ from spheroseg.dual_graph import build_dual_graph
 from spheroseg.evaluate import paper, pictures, plots
 from spheroseg.evaluate.folder import PAGE, arrays_file, stem
 from spheroseg.evaluate.methods import METHODS
-from spheroseg.evaluate.summary import in_order, sentences, summary
+from spheroseg.evaluate.summary import in_order, sentences, summary, with_boundary
 from spheroseg.evaluate.topology import TRIANGLE_BYTES, VERTEX_BYTES, Anatomy, anatomy
 from spheroseg.palette import colour_indices, palette
 from spheroseg.submeshes import split_into_submeshes
@@ -117,7 +117,10 @@ def _plots(folder: Path, done: list[dict]) -> dict[str, Any]:
     if done:
         same_k = [row for row in done if row["submesh_count"] == memory_k]
         files["shared-memory"] = plots.shared_memory(same_k, titles)
-        files["quality-and-time"] = plots.quality_and_time(done, titles)
+    cut = with_boundary(done)
+    if cut:
+        titles = {name: titles[name] for name in in_order(cut)}
+        files["quality-and-time"] = plots.quality_and_time(cut, titles)
     for name, svg in files.items():
         atomic.write_text(_made(folder / "plots" / f"{name}.svg"), svg)
     return {

@@ -49,20 +49,26 @@ def in_order(rows: list[dict]) -> list[str]:
     return [name for name in METHODS if name in present]
 
 
+def with_boundary(rows: list[dict]) -> list[dict]:
+    """Those that count in means: where nothing had to be cut (k = 1, or a sub-mesh for each
+    component), neither boundary nor time says anything."""
+    return [row for row in rows if row["boundary_edge_count"] > 0]
+
+
 def _of_method(name: str, done: list[dict]) -> dict[str, Any]:
     mine = [row for row in done if row["method"] == name]
-    over_bound = [row["boundary_edges_over_hexagonal"] for row in mine]
-    times = [1e6 * row["seconds"] / row["triangle_count"] for row in mine]
+    cut = with_boundary(mine)
+    over_bound = [row["boundary_edges_over_hexagonal"] for row in cut]
+    times = [1e6 * row["seconds"] / row["triangle_count"] for row in cut]
     numbers = {
         "method": name,
         "result_count": sum(row["run_count"] for row in mine),
         "valid_count": sum(row["valid_run_count"] for row in mine),
-        # One sub-mesh has no boundary.
-        "boundary_edges_over_hexagonal": _mean([value for value in over_bound if value > 0]),
+        "boundary_edges_over_hexagonal": _mean(over_bound),
         "microseconds_per_triangle": _mean(times),
     }
     for key, rivals, _ in RIVALS:
-        ratios = _ratios(mine, done, rivals)
+        ratios = _ratios(cut, done, rivals)
         numbers |= {key: _mean(ratios), f"{key}_case_count": len(ratios)}
     return numbers
 
@@ -81,6 +87,6 @@ def _ratios(mine: list[dict], done: list[dict], rivals: tuple[str, ...]) -> list
     ratios = []
     for row in mine:
         found = edges.get((row["mesh"], row["submesh_count"]), [])
-        if len(found) == len(rivals) and min(found) > 0 and row["boundary_edge_count"] > 0:
+        if len(found) == len(rivals) and min(found) > 0:
             ratios.append(row["boundary_edge_count"] / min(found))
     return ratios
