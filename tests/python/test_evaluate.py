@@ -772,6 +772,8 @@ def test_full_disk_is_one_line_that_names_the_file(tmp_path, small_disk, capsys)
         (["-k", "0"], "-k must be 1 or more, got 0"),
         (["--seed", "-1"], "--seed must be 0 or more"),
         (["--seeds", "0"], "--seeds must be 1 or more"),
+        (["--all-pairs-limit", "-1"], "--all-pairs-limit must be 0 or more, got -1"),
+        (["--viewer-limit", "-1"], "--viewer-limit must be 0 or more, got -1"),
         (["--seed", "2147483647", "--seeds", "2"], "seed must fit into 32 bits, got 2147483648"),
         (["-k", "2147483648"], "submesh_count must fit into 32 bits, got 2147483648"),
         (["--methods", "magic"], "there is no method 'magic'"),

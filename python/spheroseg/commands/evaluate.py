@@ -96,12 +96,15 @@ def _evaluate(
 
 def _plan(arguments) -> runner.Plan:
     counts = tuple(dict.fromkeys(arguments.submesh_counts))
-    if min(counts) < 1:
-        raise InputError(f"-k must be 1 or more, got {min(counts)}")
-    if arguments.seed < 0:
-        raise InputError(f"--seed must be 0 or more, got {arguments.seed}")
-    if arguments.seeds < 1:
-        raise InputError(f"--seeds must be 1 or more, got {arguments.seeds}")
+    for option, value, least in (
+        ("-k", min(counts), 1),
+        ("--seed", arguments.seed, 0),
+        ("--seeds", arguments.seeds, 1),
+        ("--all-pairs-limit", arguments.all_pairs_limit, 0),
+        ("--viewer-limit", arguments.viewer_limit, 0),
+    ):
+        if value < least:
+            raise InputError(f"{option} must be {least} or more, got {value}")
     api.segment_parameters(
         {"submesh_count": max(counts), "seed": arguments.seed + arguments.seeds - 1}
     )
