@@ -56,7 +56,8 @@ class _OneLineParser(argparse.ArgumentParser):
 
 
 class _CommandParser(_OneLineParser):
-    """Imports the module of its command when the command is called."""
+    """Imports the module of its command when the command is called, and refuses itself what that
+    does not know, by its own name."""
 
     def parse_known_args(self, args=None, namespace=None):
         if self.get_default("run") is None:
@@ -65,7 +66,10 @@ class _CommandParser(_OneLineParser):
             self.formatter_class = argparse.RawDescriptionHelpFormatter
             module.add_arguments(self)
             self.set_defaults(run=module.run)
-        return super().parse_known_args(args, namespace)
+        namespace, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return namespace, unknown
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -675,6 +675,16 @@ def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypa
     assert errors.startswith("spheroseg")
 
 
+@pytest.mark.parametrize("command", ["segment", "evaluate"])
+def test_an_option_that_a_command_does_not_know_is_refused_by_its_name(run, command):
+    assert run(command, CUBE, "-o", "out.ply", "--resum", "now") == (
+        2,
+        "",
+        f"spheroseg {command}: unrecognized arguments: --resum now (see spheroseg {command} "
+        "--help)\n",
+    )
+
+
 # Nobody, not even root, may make files in /sys.
 @pytest.mark.parametrize(
     ("arguments", "place"),
