@@ -100,7 +100,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     _open_closed_streams()
     if isinstance(sys.stdout, io.TextIOWrapper):
         # A name that the output's encoding does not have is no reason to fail after the work.
-        sys.stdout.reconfigure(errors="backslashreplace")
+        # Not written through, with PYTHONUNBUFFERED neither: what can not be written is said below.
+        sys.stdout.reconfigure(errors="backslashreplace", write_through=False)
     try:
         code = _run(argv)
     except SystemExit as stop:  # of argparse

@@ -773,6 +773,16 @@ def test_output_that_can_not_be_written_is_one_line(arguments):
     assert "the standard output: No space left on device" in done.stderr
 
 
+@pytest.mark.parametrize(
+    "arguments", [["batch", "--help"], ["split", CUBE, "-k", 2, "-o", "parts"]]
+)
+def test_output_that_can_not_be_written_is_one_line_where_nothing_is_buffered(arguments, tmp_path):
+    line = f'cd "{tmp_path}"; PYTHONUNBUFFERED=1 "$@" > /dev/full'
+    done = run_shell(line, *arguments)
+    assert done.returncode == 2
+    assert done.stderr == "spheroseg: the standard output: No space left on device\n"
+
+
 @pytest.mark.parametrize("stream", ["2>/dev/full", "2> >(true)"])
 def test_errors_that_can_not_be_said_have_their_exit_code(stream):
     done = run_shell(f'"$@" {stream}', "segment", "no such file.obj", "-k", 2)
