@@ -797,18 +797,26 @@ def test_paper_numbers_stand_beside_meshes_of_the_same_name_and_count():
     assert paper.lookup("human.ply", 20096, 200, "fast_high") is None
 
 
-def test_paper_numbers_stand_beside_meshes_of_folders_and_of_lists_with_k(tmp_path):
+def test_paper_numbers_stand_beside_meshes_of_folders_and_lists_and_no_others(tmp_path):
     cow = PYMESHLAB_MESHES[0]
     (tmp_path / "in" / "paper").mkdir(parents=True)
     (tmp_path / "in" / "paper" / "cow.obj").write_bytes(cow.read_bytes())
     (tmp_path / "list.csv").write_text("mesh,k\nin/paper/cow.obj,200\n")
-    for source, name in (("in", "paper/cow"), ("list.csv", "cow-k200")):
-        output = tmp_path / f"report of {source}"
-        command = ["evaluate", str(tmp_path / source), "-o", str(output), "-k", "200"]
+    for source, k, name in (
+        ("in", 200, "paper/cow"),
+        ("list.csv", 200, "cow-k200"),
+        ("in", 199, "paper/cow"),
+    ):
+        output = tmp_path / f"report of {source} for {k}"
+        command = ["evaluate", str(tmp_path / source), "-o", str(output), "-k", str(k)]
         assert main([*command, "--methods", "metis_kway"]) == 0
         (row,) = results(output)
         assert (row["mesh"], row["mesh_file"]) == (name, "cow.obj")
-        assert '<td class="paper">1,631</td>' in (output / "report.html").read_text()
+        page = (output / "report.html").read_text()
+        assert ('<td class="paper">1,631</td>' in page) == (k == 200)
+        # Without numbers there are neither columns for them nor words about them.
+        assert page.count('<th class="paper">') == (4 if k == 200 else 0)
+        assert ("repeat the paper's Table 1" in page) == (k == 200)
 
 
 def row(method: str, edges: int, **changes) -> dict:
