@@ -395,6 +395,12 @@ def test_long_names_leave_a_diagram_its_room():
     assert name not in svg
 
 
+def test_letters_that_matplotlib_has_no_font_for_are_left_to_the_browser():
+    name = "größe 网格"
+    assert name in plots.iterations(ITERATIONS, name)  # a warning fails a test
+    assert name in plots.shared_memory(memory_rows(name, 1024), MEMORY_TITLES)
+
+
 def test_bars_of_like_memory_are_alike(monkeypatch):
     figures = []
     monkeypatch.setattr(plots, "_svg", figures.append)

@@ -2,6 +2,7 @@
 """The report's diagrams as SVG text, by matplotlib."""
 
 import io
+import warnings
 
 import matplotlib
 
@@ -163,7 +164,10 @@ def _shortened(text: str, longest: int) -> str:
 
 def _svg(figure) -> str:
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
+    with warnings.catch_warnings():
+        # The text is drawn by the browser, which has other fonts.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
     pyplot.close(figure)
     text = buffer.getvalue()
     return text[text.index("<svg") :]
