@@ -220,6 +220,19 @@ def test_phone_screen_needs_no_sideways_scrolling(browser):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+def test_long_names_leave_the_numbers_on_the_screen(browser):
+    beyond = browser.execute_script(
+        "const places = [document.querySelector('#table1 .name'), document.querySelector('h3')];"
+        "const kept = places.map((place) => place.textContent);"
+        "for (const place of places) place.textContent = 'scans/2026_'.repeat(20);"
+        "const box = document.getElementById('table1').parentElement;"
+        "const beyond = [document.documentElement, box].map((e) => e.scrollWidth - e.clientWidth);"
+        "places.forEach((place, i) => { place.textContent = kept[i]; });"
+        "return beyond"
+    )
+    assert beyond == [0, 0]
+
+
 def test_wide_table_scrolls_within_the_screen(browser):
     box = browser.execute_script(
         "const box = document.getElementById('table1').parentElement;"
@@ -236,6 +249,19 @@ def test_page_prints(browser):
         "return [...document.styleSheets[0].cssRules].some((r) => r.conditionText === 'print')"
     )
     assert visible
+
+
+def test_what_is_folded_on_the_screen_is_unfolded_on_paper(browser):
+    browser.execute_script(
+        "document.body.insertAdjacentHTML('beforeend',"
+        " '<details><summary>Left out</summary><p>reason</p></details>')"
+    )
+    visible = "return document.querySelector('details p').checkVisibility()"
+    assert not browser.execute_script(visible)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    assert browser.execute_script(visible)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    browser.execute_script("document.querySelector('details').remove()")
 
 
 def test_console_is_still_silent_at_the_end(browser):
