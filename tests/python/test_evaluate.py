@@ -985,6 +985,7 @@ def test_hexagonal_bound_is_the_boundary_of_hexagons_on_the_regular_mesh():
 def test_default_methods_exist_and_others_are_named():
     assert set(DEFAULT_METHODS) <= set(METHODS)
     assert chosen("metis_kway,all_pairs") == ["metis_kway", "all_pairs"]
+    assert chosen("metis_kway, all_pairs ") == ["metis_kway", "all_pairs"]  # as --help lists them
     with pytest.raises(InputError, match="there is no method 'x'; choose from all_pairs"):
         chosen("x")
 

@@ -29,12 +29,18 @@ def add_arguments(parser):
     parser.add_argument("inputs", metavar="INPUTS", nargs="+", help="meshes, folders, globs, CSV")
     parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder to write")
     parser.add_argument(
-        "-k", "--submesh-counts", metavar="N", type=int, nargs="+", default=[200], help="(200)"
+        "-k",
+        "--submesh-counts",
+        metavar="N",
+        type=int,
+        nargs="+",
+        default=[200],
+        help="where no CSV says otherwise (200)",
     )
     parser.add_argument(
         "--methods",
         metavar="LIST",
-        help=f"out of {', '.join(methods.METHODS)} (default: {','.join(methods.DEFAULT_METHODS)})",
+        help=f"out of {', '.join(methods.METHODS)} (default: {', '.join(methods.DEFAULT_METHODS)})",
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="for all methods (0)")
     parser.add_argument(

@@ -113,7 +113,7 @@ def chosen(names: str | None) -> list[str]:
     """Method names from a comma-separated list; the default ones for None."""
     if names is None:
         return list(DEFAULT_METHODS)
-    wanted = names.split(",")
+    wanted = [name.strip() for name in names.split(",")]
     for name in wanted:
         if name not in METHODS:
             raise InputError(f"there is no method '{name}'; choose from {', '.join(METHODS)}")
