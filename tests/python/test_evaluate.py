@@ -867,7 +867,7 @@ def test_summary_compares_with_the_better_metis_mode():
     }
     lines = summary.sentences(numbers)
     assert lines[0].startswith("Fast, high: 1 of 1 results")
-    assert "0.900 times that of METIS (the better of k-way and recursive" in lines[0]
+    assert "on average 0.900 times that of METIS (the better of k-way and recursive" in lines[0]
     assert "1.200 times that of METIS with the limit" in lines[0]
     assert lines[1].startswith("METIS k-way: 0 of 1")
     assert lines[2].startswith("METIS recursive: 2 of 3")

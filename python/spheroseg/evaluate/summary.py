@@ -36,9 +36,14 @@ def sentences(numbers: list[dict[str, Any]]) -> list[str]:
             f"{METHODS[one['method']].title}: {one['valid_count']} of {one['result_count']} "
             "results are balanced within one triangle, connected and free of bowties"
         )
-        for key, _, title in RIVALS:
-            if one[key] is not None and not one["method"].startswith("metis"):
-                line += f"; its boundary is {one[key]:.3f} times that of {title}"
+        if not one["method"].startswith("metis"):
+            ratios = [
+                f"{one[key]:.3f} times that of {title}"
+                for key, _, title in RIVALS
+                if one[key] is not None
+            ]
+            if ratios:
+                line += f"; its boundary is on average {' and '.join(ratios)}"
         lines.append(line + ".")
     return lines
 
