@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Puts the desktop plugin where a MeshLab installation looks for plugins of its user.
 
-MeshLab loads a plugin only if it was built for the same release and the same precision, and says
-nothing when it finds another one there. So both are compared before the file is copied.
+MeshLab loads a plugin only if it was built for the same release and the same precision; another one
+gives an error message at each of its starts. So both are compared before the file is copied.
 """
 
 import os
