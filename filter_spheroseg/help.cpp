@@ -2,8 +2,8 @@
 #include "help.h"
 
 #define SPHEROSEG_CITATION                                                                         \
-    "<b>See</b> Huadong Zhang, Lizhou Cao, Chao Peng: <i>Spherical Parametric Measurement for "    \
-    "Continuous and Balanced Mesh Segmentation</i>, High-Performance Graphics, 2023."
+    "<small><b>See</b> Huadong Zhang, Lizhou Cao, Chao Peng: <i>Spherical Parametric Measurement " \
+    "for Continuous and Balanced Mesh Segmentation</i>, High-Performance Graphics, 2023.</small>"
 
 namespace spheroseg {
 
@@ -30,25 +30,23 @@ const char* const kSegmentationHelp =
     "<i>parametrization_seconds</i>, <i>cohesion_seconds</i>, <i>refinement_seconds</i>, "
     "<i>total_seconds</i>.</small><br>" SPHEROSEG_CITATION;
 
+// MeshLab cuts off what makes the dialog higher than two thirds of the screen.
 const char* const kParametrizationHelp =
-    "Maps a mesh onto the unit sphere without flipped triangles: the mesh is collapsed to a "
-    "tetrahedron, whose vertices are put on the sphere, and the others are inserted again in "
-    "reverse order, each where the shape of the triangles around it suffers "
-    "least.<br>"
+    "Maps a mesh onto the unit sphere without flipped triangles: collapsed to a tetrahedron, it "
+    "gets its vertices back, each where the shape of the triangles around it suffers least.<br>"
     "<b>Needs</b> a closed, consistently oriented, manifold triangle mesh of one connected "
-    "component and genus 0 (no handles: a ball or an animal, not a ring) with finite "
-    "coordinates; unreferenced vertices are ignored. For any other mesh the filter fails, says "
-    "what is wrong, and changes nothing.<br>"
-    "<b>Writes</b> the place of each vertex on the sphere as per-vertex custom point attribute "
+    "component and genus 0 (a ball or an animal, not a ring) with finite coordinates. For any "
+    "other mesh the filter fails, says what is wrong, and changes nothing.<br>"
+    "<b>Writes</b> the place of each vertex as per-vertex custom point attribute "
     "<i>sphere_position</i>; an unreferenced vertex gets (0, 0, 1). Balanced Segmentation takes "
-    "it where it needs a map: <i>all_pairs</i>, and <i>fast</i> with effort <i>high</i> from 50 "
-    "sub-meshes of 150 triangles on (not in the balance by weight). With <i>new_layer</i> a copy "
-    "of the mesh with its vertices at these places is added.<br>"
-    "<b>Returns</b> <i>flipped_triangle_count</i>, <i>min_triangle_area</i> (on the sphere), "
-    "<i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the sphere over share of "
-    "the mesh, or its inverse if that is larger, per triangle), <i>seconds</i>. In single "
-    "precision the last bits of the map are lost, so that on large meshes a few tiny triangles may "
-    "count as flipped; a segmentation then makes its own map.<br>" SPHEROSEG_CITATION
+    "it where it needs a map: <i>all_pairs</i>, and <i>fast</i> with effort <i>high</i> on many "
+    "triangles. With <i>new_layer</i> a copy of the mesh with its vertices at these places is "
+    "added.<br>"
+    "<small><b>Returns</b> to PyMeshLab <i>flipped_triangle_count</i>, <i>min_triangle_area</i> "
+    "(on the sphere), <i>area_distortion_mean</i> and <i>area_distortion_max</i> (share of the "
+    "sphere over share of the mesh, or its inverse if that is larger, per triangle), "
+    "<i>seconds</i>. In single precision a few tiny triangles of a large mesh may count as "
+    "flipped; a segmentation then makes its own map.</small><br>" SPHEROSEG_CITATION
     // MeshLab's dialog of so few parameters is too low for its help by half a line.
     "<br>&nbsp;";
 

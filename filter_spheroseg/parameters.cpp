@@ -93,10 +93,10 @@ void add_device_and_limits(RichParameterList& parameters, const SegmentOptions& 
     parameters.addParam(RichFloat("time_limit_seconds",
                                   Scalarm(defaults.time_limit_seconds),
                                   "Time limit (seconds)",
-                                  "Stop improving after this time. The result is still balanced "
-                                  "and, by 'fast', valid; on large meshes that may take some "
-                                  "seconds more. time_limit_hit says that it was cut short. 0: no "
-                                  "limit.",
+                                  "Stop improving after this time, such as 0.5 (with a point). "
+                                  "The result is still balanced and, by 'fast', valid; on large "
+                                  "meshes that may take some seconds more. time_limit_hit says "
+                                  "that it was cut short. 0: no limit.",
                                   kAdvanced));
 }
 

@@ -89,8 +89,8 @@ class MeshLabWindow:
 
     # --- life -------------------------------------------------------------------------------
 
-    def start(self, *meshes: Path, seconds: float = 60.0) -> None:
-        """Starts MeshLab with copies of the meshes in its home and waits until they are open."""
+    def launch(self, *meshes: Path) -> None:
+        """Starts MeshLab with copies of the meshes in its home."""
         self._artefacts.mkdir(parents=True, exist_ok=True)
         for mesh in meshes:
             shutil.copy(mesh, self.home / mesh.name)
@@ -99,6 +99,10 @@ class MeshLabWindow:
         # The driver reads the file that MeshLab writes: a pipe that nobody empties would block it.
         with self._log_file.open("w") as log:
             self._process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+
+    def start(self, *meshes: Path, seconds: float = 60.0) -> None:
+        """Starts MeshLab with copies of the meshes in its home and waits until they are open."""
+        self.launch(*meshes)
         # Kept, because a busy MeshLab does not answer questions about its windows.
         self._main = self.wait_for_window("MeshLab 20", seconds)
         for _ in meshes:

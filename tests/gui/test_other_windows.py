@@ -13,7 +13,7 @@ import pytest
 from meshlab_window import MeshLabWindow, root_command
 from screen import vivid_colors
 
-from spheroseg import cli, install
+from spheroseg import cli, install, plugin_path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 SEGMENTATION = "Balanced Segmentation (SpheroSeg)"
@@ -35,6 +35,8 @@ def test_the_sphere_appears_as_a_layer_of_its_own_with_the_colours(meshlab, cow)
     dialog.close()
     dialog = meshlab.open_filter(PARAMETRIZATION)
     meshlab.screenshot("dialog")
+    # Beyond two thirds of the screen, of a laptop's here, MeshLab would cut off the help.
+    assert dialog.window.height <= 768 * 2 / 3
     dialog.toggle_only_check_box()
     assert dialog.copied_call().endswith("(new_layer = True)")
     log = dialog.apply()
@@ -143,11 +145,25 @@ def test_without_the_plugin_the_search_does_not_find_it(
         assert meshlab.screen.find_window(SEGMENTATION) is None
 
 
+def test_meshlab_names_a_plugin_that_does_not_fit_when_it_starts(
+    screen, meshlab_root, bare_home, artefacts, monkeypatch
+):
+    monkeypatch.setenv("HOME", str(bare_home))
+    monkeypatch.delenv("XDG_DATA_HOME", raising=False)
+    folder = install.user_plugin_folder(install.Host("2025.07", "float"))
+    folder.mkdir(parents=True)
+    shutil.copy(plugin_path(), folder)
+    with MeshLabWindow(screen, meshlab_root, bare_home, artefacts) as meshlab:
+        meshlab.launch()
+        meshlab.wait_for_window("Error while loading plugins")
+        meshlab.screenshot("error")
+        meshlab.dismiss("Error while loading plugins")
+        meshlab.wait_for_window("MeshLab 20")
+
+
 def test_a_plugin_in_double_precision_is_refused_by_the_command(
     meshlab_program, bare_home, monkeypatch, capsys
 ):
-    from spheroseg import plugin_path
-
     monkeypatch.setenv("HOME", str(bare_home))
     arguments = ["--meshlab", str(meshlab_program), "--plugin", str(plugin_path())]
     assert cli.main(["install-plugin", *arguments]) == 2
