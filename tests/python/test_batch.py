@@ -877,6 +877,56 @@ def test_folder_glob_and_file_name_each_mesh_once(tmp_path, monkeypatch):
     ]
 
 
+@pytest.mark.parametrize("given", ["in", "in/**/*.ply", "in/**/*", "in/**", "*/**/*.ply", "i?/*"])
+def test_links_in_a_circle_give_each_mesh_once(given, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("in/a.ply", "in/sub/b.ply"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    for link, target in (("to itself", "."), ("sub/up", ".."), ("sub/again", "../sub")):
+        (tmp_path / "in" / link).symlink_to(target)
+    found = [source.mesh.resolve().name for source in inputs.collect([given])]
+    assert sorted(found) == ["a.ply", "b.ply"]
+
+
+def test_a_mesh_behind_a_link_to_itself_is_one_that_is_not_there(tmp_path):
+    (tmp_path / "link").symlink_to("link")
+    found = inputs.collect([str(tmp_path / "link" / "a.ply")], tmp_path / "out")
+    assert [source.name for source in found] == ["a"]
+
+
+def test_two_stars_follow_no_links_and_enter_no_hidden_folders(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = ["in/a.ply", "in/x/y/a.ply", "in/.hidden/a.ply", "other/z/a.ply"]
+    for name in names:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    (tmp_path / "in" / "link").symlink_to("../other")
+    for given, count in (
+        ("in/**/*.ply", 2),
+        ("in/**/x/**/*.ply", 1),
+        (f"{tmp_path}/i[n]/**/a*", 2),
+        ("**/*.ply", 3),
+        ("in/link/**/*.ply", 1),
+        ("in/**.ply", 1),
+    ):
+        assert len(inputs.collect([given])) == count, given
+
+
+@pytest.mark.parametrize("given", ["in", "in/**/*.ply"])
+def test_folders_in_one_another_are_searched_up_to_a_limit(given, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    deepest = Path("in", *["d"] * 200)
+    deepest.mkdir(parents=True)
+    write_mesh(deepest / "a.ply")
+    write_mesh(Path("in/a.ply"))
+    assert main(["batch", given, "-o", "out", "-k", "4"]) == 0
+    assert main(["batch", given, "-o", "out", "-k", "4", "--resume"]) == 0
+    (deepest / "d").mkdir()
+    with pytest.raises(InputError, match="^in: more than 200 folders lie in one another there$"):
+        inputs.collect([given])
+
+
 def test_meshes_that_differ_in_suffix_get_different_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name in ("a.ply", "a.obj", "b.ply"):

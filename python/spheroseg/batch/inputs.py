@@ -4,7 +4,9 @@
 import csv
 import glob
 import os
+import re
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +18,8 @@ from spheroseg.file_checks import check_is_file, check_name
 MESH_SUFFIXES = frozenset({".ply", ".obj", ".off", ".stl"})
 _COUNT_COLUMNS = ("submesh_count", "k")
 _MOST_SUBMESHES = 2**31 - 1
+_MOST_NESTED = 200  # folders; Python's own functions end at some hundreds
+_RECURSIVE_GLOB = re.compile(r"(.*?/|)\*\*(?:/(.*))?", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -60,14 +64,14 @@ def collect(inputs: list[str], output: Path | None = None, *, resume: bool = Fal
 
 
 def _place(mesh: Path) -> Path:
-    """The same for all spellings of a path."""
-    return mesh.parent.resolve() / mesh.name if ".." in mesh.parts else mesh.absolute()
+    """The same for all paths to a file, but for links to the file itself."""
+    return Path(os.path.realpath(mesh.parent), mesh.name)  # resolve() refuses circles of links
 
 
 def _expand(text: str, results: _Results | None):
     path = Path(text)
     if path.is_dir():
-        for mesh in sorted(_below(path)):
+        for mesh in sorted(parent / name for parent, names in _folders(path) for name in names):
             is_broken_link = mesh.is_symlink() and not mesh.exists()  # of data not fetched
             has_content = mesh.is_file() or is_broken_link
             is_mesh = has_content and mesh.suffix.lower() in MESH_SUFFIXES
@@ -77,7 +81,7 @@ def _expand(text: str, results: _Results | None):
         yield from _from_csv(path)
     elif not path.exists() and glob.has_magic(text):
         searched = next(parent for parent in path.parents if not glob.has_magic(str(parent)))
-        for match in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207 (any pattern)
+        for match in sorted(_matches(text)):
             if not _is_result(Path(match), searched, results):
                 for source in _expand(match, results):
                     yield source if source.long_name else _with_long_name(source, searched)
@@ -85,21 +89,43 @@ def _expand(text: str, results: _Results | None):
         yield Source(path, path.stem)
 
 
-def _below(folder: Path):
-    """The files in a folder and its sub-folders; InputError where one can not be read."""
+def _matches(pattern: str, folder: str = "") -> Iterator[str]:
+    """What a glob finds, in `folder`. As in shells, `**` follows no links to folders."""
+    recursive = _RECURSIVE_GLOB.fullmatch(pattern)
+    if not recursive:
+        found = glob.glob(pattern, root_dir=folder or None)  # noqa: PTH207 (any pattern)
+        yield from (os.path.join(folder, match) for match in found)  # noqa: PTH118 (empty, too)
+        return
+    head, tail = recursive.groups()
+    for root in _matches(head, folder) if head else [folder]:
+        if not tail:
+            yield root or "."  # which is searched
+            continue
+        for below, _ in _folders(Path(root), hidden=False):
+            yield from _matches(tail, str(below))
+
+
+def _folders(top: Path, hidden: bool = True) -> Iterator[tuple[Path, list[str]]]:
+    """The folder and those below it, each with its files. Links to folders are not followed. Raises
+    InputError where one can not be read, or where too many lie in one another."""
 
     def refuse(error: OSError):
         raise InputError(f"{error.filename}: the folder can not be read ({error.strerror})")
 
-    for parent, _, names in os.walk(folder, onerror=refuse):
-        yield from (Path(parent, name) for name in names)
+    for parent, folders, files in os.walk(top, onerror=refuse):
+        path = Path(parent)
+        if len(path.parts) - len(top.parts) > _MOST_NESTED:
+            raise InputError(f"{top}: more than {_MOST_NESTED} folders lie in one another there")
+        if not hidden:
+            folders[:] = [name for name in folders if not name.startswith(".")]
+        yield path, files
 
 
 def _is_result(path: Path, searched: Path, results: _Results | None) -> bool:
     """Whether a search of the folder `searched` came to a result."""
     if results is None:
         return False
-    place = path.parent.resolve() / path.name
+    place = _place(path)
     if not place.is_relative_to(results.folder):
         return False
     if searched.resolve() in results.folder.parents:
