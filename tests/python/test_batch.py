@@ -681,6 +681,16 @@ def test_a_manifest_lists_failed_meshes_with_the_number_that_was_asked_for(tmp_p
     assert [row["submesh_count"] for row in rows(tmp_path / "again")] == ["5", "7"]
 
 
+def test_a_manifest_of_meshes_of_one_name_is_a_list_that_keeps_their_folders(tmp_path):
+    for name in ("one/a", "two/a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    assert main(["batch", str(tmp_path / "in"), "-k", "5", "-o", str(tmp_path / "out")]) == 0
+    manifest = str(tmp_path / "out" / "manifest.csv")
+    assert main(["batch", manifest, "-o", str(tmp_path / "again")]) == 0
+    names = [row["outputs"] for row in rows(tmp_path / "again")]
+    assert names == ["b-k5.ply", "one/a-k5.ply", "two/a-k5.ply"]
+
+
 def test_a_link_to_a_mesh_that_is_not_there_fails(tmp_path):
     write_mesh(tmp_path / "in" / "here.ply")
     (tmp_path / "in" / "broken.ply").symlink_to("nowhere.ply")

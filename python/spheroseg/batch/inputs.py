@@ -136,9 +136,13 @@ def _is_result(path: Path, searched: Path, results: _Results | None) -> bool:
 def _from_csv(path: Path):
     check_is_file(path)
     try:
-        yield from _csv_rows(path)
+        sources = [_with_long_name(source, path.parent) for source in _csv_rows(path)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: is no CSV file in UTF-8: {error}") from None
+    # Those of a manifest lie elsewhere.
+    apart = [os.path.normpath(s.mesh.parent.absolute()) for s in sources if not s.long_name]
+    root = Path(os.path.commonpath(apart)) if apart else path.parent
+    yield from (source if source.long_name else _with_long_name(source, root) for source in sources)
 
 
 def _csv_rows(path: Path):
@@ -157,7 +161,7 @@ def _csv_rows(path: Path):
                 raise InputError(f"{path}: line {reader.line_num}: names no mesh")
             mesh = path.parent / row["mesh"].strip()
             name = mesh.stem if count is None else f"{mesh.stem}-k{count}"
-            yield _with_long_name(Source(mesh, name, count), path.parent)
+            yield Source(mesh, name, count)
 
 
 def _count(path: Path, line: int, text: str | None) -> int | None:
