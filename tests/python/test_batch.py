@@ -497,6 +497,32 @@ def test_a_folder_may_be_called_like_a_record(tmp_path, capsys):
     assert "add --resume" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("names", "place", "needs", "other"),
+    [
+        ([".lock/a.ply", "b.ply"], ".records/.lock", "record", "the lock"),
+        ([".results/a.ply", "b.ply"], ".records/.results", "record", "the list of results"),
+        (["a.json/b.ply", "a.ply"], ".records/a.json", "record", "the record of {in}/a.ply"),
+        (["a.obj", "a.ply/b.obj"], "a.ply", "result", "the result of {in}/a.obj"),
+        (["manifest.csv/a.ply"], "manifest.csv", "result", "the manifest"),
+    ],
+)
+def test_a_folder_that_the_batch_needs_for_a_file_is_said_first(
+    names, place, needs, other, tmp_path, capsys
+):
+    for name in names:
+        write_octahedron_obj(tmp_path / "in" / name)
+    output = tmp_path / "out"
+    assert main(["batch", str(tmp_path / "in"), "-o", str(output), "-k", "3"]) == 2
+    nested = next(tmp_path / "in" / name for name in names if "/" in name)
+    assert capsys.readouterr().err == (
+        f"spheroseg batch: {output / place}: the {needs} of {nested} needs such a folder, but "
+        f"{other.replace('{in}', str(tmp_path / 'in'))} lies there; rename the folder or file of "
+        "the mesh\n"
+    )
+    assert not output.exists()
+
+
 def test_formats_may_have_blanks_between_them(tmp_path):
     write_mesh(tmp_path / "a.ply")
     output = tmp_path / "out"

@@ -18,7 +18,7 @@ from spheroseg.errors import InputError, shown
 
 FORMATS = (".ply", ".npy", ".npz", ".glb")
 RECORD_FOLDER = ".records"
-_RESULT_LIST = ".results"
+RESULT_LIST = f"{RECORD_FOLDER}/.results"
 DISK_FULL_EXIT = 4
 INTERRUPTED_EXIT = 130
 
@@ -113,12 +113,12 @@ def remember_results(folder: Path, names: set[str]) -> None:
     """
     if names != known_results(folder):
         text = json.dumps(sorted(names), indent=0)
-        atomic.write_text(folder / RECORD_FOLDER / _RESULT_LIST, text + "\n")
+        atomic.write_text(folder / RESULT_LIST, text + "\n")
 
 
 def known_results(folder: Path) -> set[str]:
     try:
-        return set(json.loads((folder / RECORD_FOLDER / _RESULT_LIST).read_text()))
+        return set(json.loads((folder / RESULT_LIST).read_text()))
     except (OSError, ValueError, TypeError):
         return set()  # no such list, or a damaged one
 

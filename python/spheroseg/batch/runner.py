@@ -22,6 +22,7 @@ from typing import Any
 from spheroseg import atomic
 from spheroseg.batch.jobs import (
     RECORD_FOLDER,
+    RESULT_LIST,
     Job,
     failed_record,
     file_identity,
@@ -97,6 +98,7 @@ def prepared_folder(
 
 def _checked_results(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> set[str]:
     """The names of all results in the folder, those to come included."""
+    _check_folders(folder.absolute(), jobs)
     records = [path for path in (folder / RECORD_FOLDER).rglob("*.json") if path.is_file()]
     if not resume and any(map(is_of_success, records)):
         raise InputError(
@@ -120,6 +122,20 @@ def _checked_results(folder: Path, jobs: list[Job], lists: list[Path], resume: b
                 "folder"
             )
     return results
+
+
+def _check_folders(folder: Path, jobs: list[Job]) -> None:
+    """Raises InputError where a file of the batch would lie where it needs a folder."""
+    files = dict(_outputs(folder, jobs))
+    files |= {job.record_path(): f"the record of {job.mesh}" for job in jobs}
+    files |= {folder / _LOCK_NAME: "the lock", folder / RESULT_LIST: "the list of results"}
+    for path, source in files.items():
+        for parent in path.relative_to(folder).parents:
+            if folder / parent in files:
+                raise InputError(
+                    f"{folder / parent}: {source} needs such a folder, but "
+                    f"{files[folder / parent]} lies there; rename the folder or file of the mesh"
+                )
 
 
 def _outputs(folder: Path, jobs: list[Job]) -> Iterator[tuple[Path, str]]:
