@@ -284,6 +284,41 @@ def test_a_mesh_that_is_there_and_fails_keeps_no_result_of_an_earlier_run(is_the
     assert (output / "b.ply").is_file()
 
 
+def test_a_result_that_can_not_be_removed_costs_only_its_mesh(tmp_path, monkeypatch, capsys):
+    def refuse(job):
+        raise PermissionError(errno.EACCES, "Permission denied", job.name)
+
+    for name in ("a", "b"):
+        write_mesh(tmp_path / "in" / f"{name}.ply")
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "--workers", "1"]
+    assert main([*arguments, "-k", "4"]) == 0
+    (tmp_path / "in" / "a.ply").write_text("no mesh")
+    monkeypatch.setattr(runner, "remove_results", refuse)  # root may remove all
+    assert main([*arguments, "-k", "5", "--resume"]) == 1
+    reason = "; an earlier result stays: [Errno 13] Permission denied: 'a'"
+    assert capsys.readouterr().err.endswith(f"{reason}\n")
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed", "done"]
+    assert rows(tmp_path / "out")[0]["error"].endswith(reason)
+
+
+def test_records_that_can_not_be_written_are_said_first_and_cost_no_result(
+    tmp_path, monkeypatch, capsys
+):
+    def guarded(path, check=atomic.check_place):
+        if path.parent == output / jobs.RECORD_FOLDER:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        check(path)
+
+    write_mesh(tmp_path / "a.ply")
+    output = tmp_path / "out"
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(output)]
+    assert main([*arguments, "-k", "4"]) == 0
+    monkeypatch.setattr(atomic, "check_place", guarded)  # root may write all
+    assert main([*arguments, "-k", "5", "--resume"]) == 2
+    assert capsys.readouterr().err == f"spheroseg batch: {output}/.records: Permission denied\n"
+    assert (output / "a.ply").exists()
+
+
 def test_a_result_that_has_become_an_input_is_kept_when_it_fails(tmp_path):
     output = tmp_path / "out"
     write_mesh(tmp_path / "a.ply")
@@ -477,6 +512,13 @@ def test_a_mesh_that_is_absent_fails_beside_others_and_with_resume(tmp_path, cap
     assert [row["status"] for row in rows(tmp_path / "out")] == ["failed", "done"]
     assert main(["batch", gone, *output, "--resume"]) == 1
     assert f"failed: {gone}: no such file\n" in capsys.readouterr().err
+
+
+def test_a_mesh_that_can_not_be_asked_for_costs_one_row(tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    (tmp_path / "list.csv").write_text(f"mesh\n{300 * 'x'}/b.ply\na.ply\n")
+    assert main(["batch", str(tmp_path / "list.csv"), "-o", str(tmp_path / "out"), "-k", "3"]) == 1
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed", "done"]
 
 
 def test_a_run_without_a_result_leaves_the_folder_free(tmp_path, capsys):

@@ -190,7 +190,10 @@ def run_all(
             records[record["name"]] = record
             # Of a mesh that is not there, as on a disk that is not mounted, nothing is outdated.
             if record["status"] == "failed" and record["input_sha256"] is not None:
-                remove_results(waiting[record["name"]])
+                try:
+                    remove_results(waiting[record["name"]])
+                except OSError as error:
+                    record["error"] += f"; an earlier result stays: {error}"
             on_record(record)
     except KeyboardInterrupt as interrupt:
         source.throw(interrupt)

@@ -11,7 +11,7 @@ from pathlib import Path
 from spheroseg import api, atomic
 from spheroseg._command_line import complain
 from spheroseg.batch import inputs, runner
-from spheroseg.batch.jobs import FORMATS, Job, versions
+from spheroseg.batch.jobs import FORMATS, RECORD_FOLDER, Job, file_identity, versions
 from spheroseg.commands import shared
 from spheroseg.commands.segment import add_segment_options, segment_options
 from spheroseg.cores import busy_core_count
@@ -62,7 +62,8 @@ def run(arguments) -> int:
     if arguments.workers is not None and arguments.workers < 1:
         raise InputError(f"--workers must be 1 or more, got {arguments.workers}")
     folder = Path(arguments.output)
-    shared.check_folder(folder)
+    for place in (folder, folder / RECORD_FOLDER):
+        shared.check_folder(place)
     _check_packages(arguments)
     jobs, workers = _jobs(arguments)
     lists = [Path(text) for text in arguments.inputs]
@@ -123,7 +124,7 @@ def _jobs(arguments) -> tuple[list[Job], int]:
             raise InputError(f"--formats knows {known}, but not '{name[1:]}'")
     formats = tuple(name for name in FORMATS if name in asked)
     sources = inputs.collect(arguments.inputs, Path(arguments.output), resume=arguments.resume)
-    if not (arguments.resume or any(source.mesh.exists() for source in sources)):
+    if not (arguments.resume or any(file_identity(source.mesh) for source in sources)):
         check_is_file(sources[0].mesh)  # else each fails on its own
     # Several meshes at a time use the cores better than several threads on one mesh.
     workers = min(arguments.workers or busy_core_count(), len(sources))
