@@ -305,6 +305,31 @@ def test_a_worker_that_lacks_what_a_mesh_needs_is_named(preload, error, tmp_path
     assert [row["error"] for row in rows(output)] == [error.format(host=socket.gethostname())]
 
 
+def test_a_mesh_that_is_done_stays_so_when_its_workers_die_with_others(tmp_path, monkeypatch):
+    class Future:
+        def exception(self):
+            return RuntimeError("all those workers died")
+
+    class Client:
+        def submit(self, *_, **__):
+            return Future()
+
+        def cancel(self, _):
+            pass
+
+    monkeypatch.setattr(runner, "_as_completed", lambda client, submitted, on_idle: submitted)
+    write_mesh(tmp_path / "a.ply")
+    settings = {}, (".npy",), jobs.versions()
+    both = [
+        jobs.Job(str(tmp_path / "a.ply"), name, str(tmp_path / "out"), *settings) for name in "ab"
+    ]
+    jobs.run_job(both[0])
+    done, failed = runner._on_dask(both, Client(), "tcp://host:1", print)
+    assert (done["name"], done["status"], done["error"]) == ("a", "done", "")
+    assert (failed["name"], failed["status"]) == ("b", "failed")
+    assert failed["error"] == "RuntimeError: all those workers died"
+
+
 def test_a_result_that_a_network_shows_late_is_waited_for(tmp_path):
     job = jobs.Job("a.ply", "a", str(tmp_path), {}, (".ply",), {})
     record = {"status": "done", "settings": job.settings(), "outputs": {"a.ply": ""}}

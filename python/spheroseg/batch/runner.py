@@ -331,8 +331,9 @@ def _on_dask(
             if error is None:
                 yield results.checked(job, record)
             else:
+                # Its workers may have died with other meshes, after they had done this one.
                 message = one_line(f"{type(error).__name__}: {error}")
-                yield failed_record(job, message)
+                yield finished_record(job) or failed_record(job, message)
     finally:
         client.cancel(list(submitted))
 
