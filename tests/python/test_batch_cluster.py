@@ -16,7 +16,6 @@ from pathlib import Path
 
 import pytest
 from batches import (
-    record_count,
     rows,
     run_batch,
     start_batch,
@@ -166,8 +165,10 @@ def test_a_cluster_that_loses_all_workers_is_said_and_the_run_goes_on_with_anoth
         lost = start_worker()
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(1, timeout=60)
-        code = pool.submit(main, [*arguments, "--scheduler", address])
-        wait_until(lambda: record_count(output) >= 1)
+            code = pool.submit(main, [*arguments, "--scheduler", address])
+            wait_until(lambda: meshes_of(client) == {"b", "c"})
+        record = output / jobs.RECORD_FOLDER / "a.json"
+        before = record.stat().st_mtime_ns
         os.killpg(lost.pid, signal.SIGKILL)
         for name in ("b", "c"):
             write_mesh(tmp_path / "in" / f"{name}.ply")
@@ -179,6 +180,7 @@ def test_a_cluster_that_loses_all_workers_is_said_and_the_run_goes_on_with_anoth
         f"start one: dask worker {address}\n"
     )
     assert [row["status"] for row in rows(output)] == ["done"] * 3
+    assert record.stat().st_mtime_ns == before, "the other worker did again what the lost one did"
 
 
 def test_a_worker_that_takes_long_is_a_worker(tmp_path, monkeypatch, capsys):
@@ -192,6 +194,12 @@ def test_a_worker_that_takes_long_is_a_worker(tmp_path, monkeypatch, capsys):
             client.wait_for_workers(1, timeout=60)
         assert main([*arguments, "--scheduler", address]) == 0
     assert capsys.readouterr().err == ""
+
+
+def meshes_of(client) -> set[str]:
+    """What the scheduler still has to do, or to keep for somebody."""
+    keys = client.run_on_scheduler(lambda dask_scheduler: list(dask_scheduler.tasks))
+    return {key.rpartition("-")[2] for key in keys}
 
 
 def wait_for_batches(client, count: int) -> None:

@@ -334,6 +334,7 @@ def _on_dask(
                 # Its workers may have died with other meshes, after they had done this one.
                 message = one_line(f"{type(error).__name__}: {error}")
                 yield finished_record(job) or failed_record(job, message)
+            future.release()  # else it would be done again when its worker is lost later
     finally:
         client.cancel(list(submitted))
 
