@@ -318,6 +318,9 @@ def test_a_mesh_that_is_done_stays_so_when_its_workers_die_with_others(tmp_path,
         def exception(self):
             return RuntimeError("all those workers died")
 
+        def release(self):
+            pass
+
     class Client:
         def submit(self, *_, **__):
             return Future()
