@@ -86,7 +86,8 @@ def prepared_folder(
     """Makes the output folder, which is for this run alone while the `with` block runs. Refuses one
     where another batch writes, one with earlier results unless they are to be resumed, and one
     where a result would replace a mesh of the jobs, one of the `lists` of meshes, or any file that
-    no batch has written there."""
+    no batch has written there; and jobs of which one needs a folder where a file will lie."""
+    _check_folders(folder.absolute(), jobs)
     records = folder / RECORD_FOLDER
     if not records.is_dir():
         _checked_results(folder, jobs, lists, resume)  # a refusal leaves nothing
@@ -98,7 +99,6 @@ def prepared_folder(
 
 def _checked_results(folder: Path, jobs: list[Job], lists: list[Path], resume: bool) -> set[str]:
     """The names of all results in the folder, those to come included."""
-    _check_folders(folder.absolute(), jobs)
     records = [path for path in (folder / RECORD_FOLDER).rglob("*.json") if path.is_file()]
     if not resume and any(map(is_of_success, records)):
         raise InputError(
@@ -129,12 +129,13 @@ def _check_folders(folder: Path, jobs: list[Job]) -> None:
     files = dict(_outputs(folder, jobs))
     files |= {job.record_path(): f"the record of {job.mesh}" for job in jobs}
     files |= {folder / _LOCK_NAME: "the lock", folder / RESULT_LIST: "the list of results"}
-    for path, source in files.items():
-        for parent in path.relative_to(folder).parents:
-            if folder / parent in files:
+    needed = {path.parent: source for path, source in files.items()}
+    for parent, source in needed.items():
+        for place in (parent, *parent.parents):
+            if place in files:
                 raise InputError(
-                    f"{folder / parent}: {source} needs such a folder, but "
-                    f"{files[folder / parent]} lies there; rename the folder or file of the mesh"
+                    f"{place}: {source} needs such a folder, but {files[place]} lies there; rename "
+                    "the folder or file of the mesh"
                 )
 
 
