@@ -34,9 +34,12 @@ constexpr std::int64_t kFacesOfSmallCut = 16;
 /// Sub-meshes that are off meet after a number of cuts that goes as the sub-meshes per one that is
 /// off; where a balance was found it rarely took more than 100 times that many. But what is close
 /// to where it could be made up for, and still off after so many cuts, hardly ever gets there: on
-/// long limbs it is far, elsewhere close. Where many are off, each is to have two walks on top.
+/// long limbs it is far, elsewhere close. Of very many sub-meshes it may: the next try, which
+/// shakes all of them, would take as long as ten cuts for each. Where many are off, each is to have
+/// two walks on top.
 constexpr std::int64_t kPatience = 100;
 constexpr std::int64_t kPatienceWhenClose = 50000;
+constexpr std::int64_t kPatiencePerSubmesh = 4;
 constexpr std::int64_t kPatiencePerStep = 200;
 constexpr std::int64_t kIdleWalks = 2;
 /// Sub-meshes change places when they are cut anew, so what counts them leads astray on a way as
@@ -95,8 +98,10 @@ private:
             steps += std::max(0, distance_[is_heavy(label)][label]);
         }
         const auto count = static_cast<std::int64_t>(off.size());
-        return std::min(kPatience * patchwork_.submesh_count() / count,
-                        kPatienceWhenClose + kPatiencePerStep * steps) +
+        const std::int64_t all = patchwork_.submesh_count();
+        return std::min(kPatience * all / count,
+                        std::max(kPatienceWhenClose, kPatiencePerSubmesh * all) +
+                            kPatiencePerStep * steps) +
             kIdleWalks * kCutsPerWalk * count;
     }
 
