@@ -113,6 +113,7 @@ def test_click_picks_the_submesh_under_the_pointer(browser, output):
     choose(browser, 0, "second")
     choose(browser, 1, "Region growing, k = 16")
     wait_until(lambda: shown(browser) == "Region growing, k = 16")
+    browser.execute_script("spherosegViewer.turn(0.13, 0.17)")  # no vertex lies in the middle
     canvas = browser.find_element("css selector", "#viewer canvas")
     webdriver.ActionChains(browser).move_to_element(canvas).click().perform()
     wait_until(lambda: note(browser).startswith("Sub-mesh"))
@@ -121,7 +122,8 @@ def test_click_picks_the_submesh_under_the_pointer(browser, output):
     matrix = np.array(view).reshape(4, 4).T
     with np.load(output / "labels" / "second.npz") as arrays:
         vertices, faces = arrays["vertices"], arrays["faces"]
-    vertices = vertices - vertices[faces[0, 0]]  # as the view has them
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    vertices = (vertices - (low + high) / 2) / (high - low).max() * 2  # as the view has them
     place = (matrix @ np.column_stack((vertices, np.ones(len(vertices)))).T).T[:, :3]
     corners = place[faces]
     signs = np.stack(
