@@ -120,10 +120,6 @@ def _explained(path: Path, temporary: Path) -> Iterator[None]:
         raise
 
 
-def is_temporary(path: Path) -> bool:
-    return TEMPORARY_SUFFIX in path.name
-
-
 def remove_leftovers(folder: Path) -> int:
     """Removes temporary files that a killed run left in `folder` or below; returns how many.
 

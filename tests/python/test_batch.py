@@ -542,11 +542,11 @@ def test_a_folder_may_be_called_like_a_record(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("names", "place", "needs", "other"),
     [
-        ([".lock/a.ply", "b.ply"], ".records/.lock", "record", "the lock"),
-        ([".results/a.ply", "b.ply"], ".records/.results", "record", "the list of results"),
-        (["a.json/b.ply", "a.ply"], ".records/a.json", "record", "the record of {in}/a.ply"),
-        (["a.obj", "a.ply/b.obj"], "a.ply", "result", "the result of {in}/a.obj"),
-        (["manifest.csv/a.ply"], "manifest.csv", "result", "the manifest"),
+        ([".lock/a.ply", "a.ply"], ".records/.lock", "record", "the lock"),
+        ([".results/a.ply", "a.ply"], ".records/.results", "record", "the list of results"),
+        (["a.json/a.ply", "a.ply"], ".records/a.json", "record", "the record of {in}/a.ply"),
+        (["a.obj", "a.ply/a.obj"], "a.ply", "result", "the result of {in}/a.obj"),
+        (["manifest.csv/a.ply", "a.ply"], "manifest.csv", "result", "the manifest"),
     ],
 )
 def test_a_folder_that_the_batch_needs_for_a_file_is_said_first(
@@ -554,8 +554,10 @@ def test_a_folder_that_the_batch_needs_for_a_file_is_said_first(
 ):
     for name in names:
         write_octahedron_obj(tmp_path / "in" / name)
+    meshes = tmp_path / "in" / "list.csv"
+    meshes.write_text("\n".join(["mesh", *names]))
     output = tmp_path / "out"
-    assert main(["batch", str(tmp_path / "in"), "-o", str(output), "-k", "3"]) == 2
+    assert main(["batch", str(meshes), "-o", str(output), "-k", "3"]) == 2
     nested = next(tmp_path / "in" / name for name in names if "/" in name)
     assert capsys.readouterr().err == (
         f"spheroseg batch: {output / place}: the {needs} of {nested} needs such a folder, but "
@@ -973,14 +975,16 @@ def test_a_mesh_behind_a_link_to_itself_is_one_that_is_not_there(tmp_path):
     assert [source.name for source in found] == ["a"]
 
 
-def test_two_stars_follow_no_links_and_enter_no_hidden_folders(tmp_path, monkeypatch):
+def test_a_search_follows_no_links_and_takes_nothing_hidden(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    names = ["in/a.ply", "in/x/y/a.ply", "in/.hidden/a.ply", "other/z/a.ply"]
+    names = ["in/a.ply", "in/._a.ply", "in/x/y/a.ply", "in/.hidden/a.ply", "other/z/a.ply"]
     for name in names:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
     (tmp_path / "in" / "link").symlink_to("../other")
     for given, count in (
+        ("in", 2),
+        ("in/.hidden", 1),
         ("in/**/*.ply", 2),
         ("in/**/x/**/*.ply", 1),
         (f"{tmp_path}/i[n]/**/a*", 2),

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from spheroseg import atomic
 from spheroseg.batch.jobs import known_results
 from spheroseg.errors import InputError
 from spheroseg.file_checks import check_is_file, check_name
@@ -75,7 +74,7 @@ def _expand(text: str, results: _Results | None):
             is_broken_link = mesh.is_symlink() and not mesh.exists()  # of data not fetched
             has_content = mesh.is_file() or is_broken_link
             is_mesh = has_content and mesh.suffix.lower() in MESH_SUFFIXES
-            if is_mesh and not (_is_result(mesh, path, results) or atomic.is_temporary(mesh)):
+            if is_mesh and not _is_result(mesh, path, results):
                 yield Source(mesh, mesh.relative_to(path).with_suffix("").as_posix())
     elif path.suffix.lower() == ".csv":
         yield from _from_csv(path)
@@ -101,13 +100,14 @@ def _matches(pattern: str, folder: str = "") -> Iterator[str]:
         if not tail:
             yield root or "."  # which is searched
             continue
-        for below, _ in _folders(Path(root), hidden=False):
+        for below, _ in _folders(Path(root)):
             yield from _matches(tail, str(below))
 
 
-def _folders(top: Path, hidden: bool = True) -> Iterator[tuple[Path, list[str]]]:
-    """The folder and those below it, each with its files. Links to folders are not followed. Raises
-    InputError where one can not be read, or where too many lie in one another."""
+def _folders(top: Path) -> Iterator[tuple[Path, list[str]]]:
+    """The folder and those below it, each with its files, without hidden ones of either. Links to
+    folders are not followed. Raises InputError where one can not be read, or where too many lie in
+    one another."""
 
     def refuse(error: OSError):
         raise InputError(f"{error.filename}: the folder can not be read ({error.strerror})")
@@ -116,9 +116,13 @@ def _folders(top: Path, hidden: bool = True) -> Iterator[tuple[Path, list[str]]]
         path = Path(parent)
         if len(path.parts) - len(top.parts) > _MOST_NESTED:
             raise InputError(f"{top}: more than {_MOST_NESTED} folders lie in one another there")
-        if not hidden:
-            folders[:] = [name for name in folders if not name.startswith(".")]
-        yield path, files
+        folders[:] = filter(_is_seen, folders)
+        yield path, list(filter(_is_seen, files))
+
+
+def _is_seen(name: str) -> bool:
+    """Hidden is, among others, what macOS puts beside each file of an archive (`._a.ply`)."""
+    return not name.startswith(".")
 
 
 def _is_result(path: Path, searched: Path, results: _Results | None) -> bool:
