@@ -25,6 +25,8 @@ def _copy(task: workers.Message) -> workers.Message:
     copy = Path(task["copy"])
     try:
         mesh_set = mesh_files.load(Path(task["mesh"]))
+        # A ply has no place for the transformation of a glTF node or a 3mf item.
+        mesh_set.apply_matrix_freeze()
         _save(mesh_set, copy)
     except (InputError, MemoryError) as error:
         return {"refused": workers.explained(error)}

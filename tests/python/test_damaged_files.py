@@ -676,9 +676,9 @@ def test_a_text_stl_of_several_solids_is_read_whole(tmp_path, whole):
     assert len(faces_read(path)) == 12
 
 
-def gltf_bytes(mesh_count, primitive_count, view=0):
+def gltf_bytes(mesh_count, primitive_count, view=0, **transformation):
     """A glTF file of single triangles; `view`: which part of the buffer has the vertices, there is
-    only 0."""
+    only 0; `transformation`: of each node."""
     data = np.eye(3, dtype="<f4").tobytes()
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     mesh = {"primitives": [{"attributes": {"POSITION": 0}}] * primitive_count}
@@ -687,7 +687,7 @@ def gltf_bytes(mesh_count, primitive_count, view=0):
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": list(range(mesh_count))}],
-        "nodes": [{"mesh": i} for i in range(mesh_count)],
+        "nodes": [{"mesh": i, **transformation} for i in range(mesh_count)],
         "meshes": [mesh] * mesh_count,
         "accessors": [{**position, "min": [0, 0, 0], "max": [1, 1, 1]}],
         "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
@@ -706,6 +706,13 @@ def test_one_gltf_mesh_of_several_parts_is_read_whole(tmp_path):
     path = tmp_path / "mesh.gltf"
     path.write_bytes(gltf_bytes(1, 4))
     assert len(faces_read(path)) == 4
+
+
+def test_a_gltf_mesh_is_read_where_its_node_places_it(tmp_path):
+    path = tmp_path / "mesh.gltf"
+    path.write_bytes(gltf_bytes(1, 1, translation=[5, 0, 0], scale=[1, 2, 1]))
+    read = mesh_files.read_mesh(path)
+    assert read.current_mesh().vertex_matrix().tolist() == [[6, 0, 0], [5, 2, 0], [5, 0, 1]]
 
 
 def test_a_file_that_crashes_meshlabs_reader_is_refused(tmp_path, capfd):
