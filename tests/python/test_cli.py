@@ -65,6 +65,15 @@ def test_a_result_that_is_not_balanced_is_one_warning(run, star, tmp_path):
         assert (code, said.split(";")[0].strip()) == (0, f"1 of 1 meshes done {told}".strip())
 
 
+def test_split_and_export_warn_of_what_the_segmentation_that_they_make_has(run, star, tmp_path):
+    for command, output in (("split", tmp_path / "parts"), ("export", tmp_path / "out.npz")):
+        code, _, errors = run(command, star, "-k", 2, "-o", output)
+        assert (code, errors.count("\n")) == (0, 1)
+        warning = f"spheroseg {command}: warning: the result for {star} has 2 triangles between"
+        assert errors.startswith(warning)
+    assert run("export", star, "-k", 4, "-o", tmp_path / "out.npz")[2] == ""
+
+
 def test_the_program_writes_what_it_was_asked_for_and_prints_the_measures(tmp_path):
     paths = [tmp_path / name for name in ("out.ply", "labels.txt", "out.json")]
     done = run_program(

@@ -34,7 +34,7 @@ def add_arguments(parser) -> None:
 @dataclass(frozen=True)
 class LabelledMesh:
     """Vertices (V, 3), the sub-meshes and, where the mesh has them, uint8 colours: (F, 3) of faces
-    and (V, 3) of vertices."""
+    and (V, 4) of vertices."""
 
     vertices: np.ndarray
     submeshes: SubMeshes
@@ -71,9 +71,10 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict, given: list[s
     if options.keys() & {"submesh_count", "triangles_per_submesh"}:
         if arguments.weights:
             api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
-        shared.run_with_progress(
+        measures = shared.run_with_progress(
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
         )
+        shared.warn_of_shortcomings(arguments, measures, options)
     elif not mesh_set.current_mesh().has_face_scalar():
         raise InputError(
             f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "

@@ -105,8 +105,6 @@ def run(arguments) -> int:
     if arguments.labels:
         labels = mesh_set.current_mesh().face_scalar_array()
         mesh_files.save_labels(labels, arguments.labels)
-    missing = api.shortcomings(measures, options.get("balance", "triangle_count"))
-    if missing:
-        shared.warn(arguments, f"the result for {arguments.mesh} has {missing}")
+    shared.warn_of_shortcomings(arguments, measures, options)
     shared.report(arguments, measures)
     return 0

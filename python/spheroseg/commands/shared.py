@@ -80,6 +80,13 @@ def warn(arguments, text: str) -> None:
     complain(f"spheroseg {arguments.command}: warning: {text}")
 
 
+def warn_of_shortcomings(arguments, measures: dict[str, Any], options: dict[str, Any]) -> None:
+    """Warns where a segmentation with these options is not balanced, in pieces or has bowties."""
+    missing = api.shortcomings(measures, options.get("balance", "triangle_count"))
+    if missing:
+        warn(arguments, f"the result for {arguments.mesh} has {missing}")
+
+
 def tell_of_lost_vertices(arguments, count: int) -> None:
     """Warns of vertices of MESH that the output does not have."""
     if count > 0:
