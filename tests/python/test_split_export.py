@@ -594,6 +594,8 @@ def labelled_files(labelled, tmp_path):
     quality = {"quality": labels.astype(np.float32)}
     (tmp_path / "own.ply").write_bytes(ply_bytes(vertices, faces, face_properties=quality))
     np.save(tmp_path / "labels.npy", labels)
+    whole = {"quality": labels.astype(np.int32)}
+    (tmp_path / "int.ply").write_bytes(ply_bytes(vertices, faces, face_properties=whole))
     half = {"quality": np.full(len(faces), 0.5, dtype=np.float32)}
     (tmp_path / "half.ply").write_bytes(ply_bytes(vertices, faces, face_properties=half))
     vertices, faces = octahedron()
@@ -647,6 +649,8 @@ def test_export_command_segments_a_labelled_mesh_anew_when_asked(labelled_files,
     ("arguments", "message"),
     [
         (["export", "bare.ply", "-o", "o.npz"], "bare.ply has no labels"),
+        (["export", "int.ply", "-o", "o.npz"], "a property 'quality' of the type float or double"),
+        (["measure", "int.ply"], "a property 'quality' of the type float or double"),
         (["export", "own.ply", "-o", "o.stl"], "must end in .npz or .glb"),
         (["export", "bare.ply", "--labels", "labels.npy", "-k", "2", "-o", "o.npz"], "--labels"),
         (["split", "own.ply", "-o", "."], "must be a new or an empty folder"),

@@ -75,14 +75,11 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict, given: list[s
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
         )
         shared.warn_of_shortcomings(arguments, measures, options)
-    elif not mesh_set.current_mesh().has_face_scalar():
-        raise InputError(
-            f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "
-            "with --labels, or segment it with -k N"
-        )
-    elif given:
-        raise InputError(
-            f"{arguments.mesh} has labels, which --{given[0]} does not change; leave it out, or "
-            "segment the mesh anew with -k N"
-        )
+    else:
+        shared.require_labels(arguments.mesh, mesh_set, ", or segment it with -k N")
+        if given:
+            raise InputError(
+                f"{arguments.mesh} has labels, which --{given[0]} does not change; leave it out, "
+                "or segment the mesh anew with -k N"
+            )
     return mesh_set.current_mesh().face_scalar_array()

@@ -6,7 +6,6 @@ LABELS hold one whole number per triangle, in the order of the file.
 
 from spheroseg import api, mesh_files
 from spheroseg.commands import shared
-from spheroseg.errors import InputError
 
 
 def add_arguments(parser):
@@ -22,11 +21,8 @@ def run(arguments) -> int:
     if arguments.labels:
         labels = shared.read_labels(arguments.labels, mesh_set)
         mesh_set = api.labelled_mesh_set(mesh.vertex_matrix(), mesh.face_matrix(), labels)
-    elif not mesh.has_face_scalar():
-        raise InputError(
-            f"{arguments.mesh} has no labels: its faces carry no quality; name a file of labels "
-            "with --labels"
-        )
+    else:
+        shared.require_labels(arguments.mesh, mesh_set)
     measures = shared.run_with_progress(mesh_set, arguments.mesh, "Measuring", api.MEASURE_FILTER)
     shared.report(arguments, measures)
     return 0

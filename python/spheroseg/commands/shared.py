@@ -75,6 +75,16 @@ def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
         raise InputError(f"{path}: {error}") from None
 
 
+def require_labels(path: str, mesh_set: pymeshlab.MeshSet, otherwise: str = "") -> None:
+    """Raises InputError where the current mesh has no face quality; `otherwise`: what could be done
+    besides naming a file of labels."""
+    if not mesh_set.current_mesh().has_face_scalar():
+        raise InputError(
+            f"{path} has no labels: its faces carry no quality (in ply: a property 'quality' of "
+            f"the type float or double); name a file of labels with --labels{otherwise}"
+        )
+
+
 def warn(arguments, text: str) -> None:
     """Says one line about a result that lacks something."""
     complain(f"spheroseg {arguments.command}: warning: {text}")
