@@ -12,6 +12,7 @@ import pymeshlab
 
 from spheroseg import mesh_files, workers
 from spheroseg.errors import InputError
+from spheroseg.textures import copy_textures
 
 _BUFFER = 65536  # at least that of a C library's stream
 
@@ -22,30 +23,30 @@ def prepare(_: workers.Message) -> tuple[workers.Message, Callable]:
 
 
 def _copy(task: workers.Message) -> workers.Message:
-    copy = Path(task["copy"])
+    source, copy = Path(task["mesh"]), Path(task["copy"])
     try:
-        mesh_set = mesh_files.load(Path(task["mesh"]))
+        mesh_set = mesh_files.load(source)
         # A ply has no place for the transformation of a glTF node or a 3mf item.
         mesh_set.apply_matrix_freeze()
-        _save(mesh_set, copy)
+        _save(mesh_set, source, copy)
     except (InputError, MemoryError) as error:
         return {"refused": workers.explained(error)}
     except (OSError, pymeshlab.PyMeshLabException) as error:
         place = copy.parent.parent
         return {
-            "refused": f"{task['mesh']}: no copy of it, which is read in its place, can be written "
+            "refused": f"{source}: no copy of it, which is read in its place, can be written "
             f"to {place}; is the disk full? Make room, or let the environment variable TMPDIR name "
             f"another folder ({workers.explained(error)})"
         }
     return {}
 
 
-def _save(mesh_set: pymeshlab.MeshSet, copy: Path) -> None:
-    try:
-        mesh_set.save_current_mesh(str(copy), save_textures=True)
-    except pymeshlab.PyMeshLabException:
-        # A texture inside a file may have a name under which no picture can be saved.
-        mesh_set.save_current_mesh(str(copy), save_textures=False, save_wedge_texcoord=False)
+def _save(mesh_set: pymeshlab.MeshSet, source: Path, copy: Path) -> None:
+    mesh_set.save_current_mesh(str(copy), save_textures=False)
+    # In a folder that is not in the working folder, where MeshLab looks for images first.
+    images = copy.parent / copy.parent.name
+    images.mkdir()
+    copy_textures(mesh_set.current_mesh(), source, copy, images, f"{images.name}/")
     # MeshLab's writer does not tell when the last bytes, of its buffer, find no room.
     copy.with_name("room").write_bytes(bytes(_BUFFER))
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The commands segment, parametrize and measure, and how the command line reports errors."""
 
+import base64
 import contextlib
 import json
 import os
@@ -10,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 
 import numpy as np
 import pymeshlab
@@ -22,6 +24,7 @@ from terminal import read_terminal
 import spheroseg
 from spheroseg import cli, mesh_files
 from spheroseg.file_checks import checked_counts
+from spheroseg.render import write_png
 
 FEW = ["--max-cohesion-iterations", "2", "--max-refinement-iterations", "1"]
 LEAF = SAMPLE_FOLDER / "flat_leaf.ply"
@@ -551,6 +554,53 @@ def test_no_placeholder_is_written_for_an_image_of_another_format(run, tmp_path)
     code, _, errors = run(*call, tmp_path / "2" / "o.ply")
     assert (code, errors.count("\n")) == (0, 1)
     assert {path.name for path in (tmp_path / "2").iterdir()} == {"o.ply"}
+
+
+def write_textured_gltf(path, colour, image_name):
+    """A triangle with an image of one grey, in a file of that name or, without one, inside."""
+    path.parent.mkdir()
+    image = path.parent / (image_name or "inside.png")
+    write_png(image, np.full((2, 2, 3), colour, dtype=np.uint8))
+
+    def inside(data, kind="application/octet-stream"):
+        return f"data:{kind};base64,{base64.b64encode(data).decode()}"
+
+    data = np.eye(3, dtype="<f4").tobytes()
+    accessor = {"bufferView": 0, "componentType": 5126, "count": 3}
+    attributes = {"POSITION": 0, "TEXCOORD_0": 1}
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": attributes, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}],
+        "images": [{"uri": image_name or inside(image.read_bytes(), "image/png")}],
+        "accessors": [accessor | {"type": "VEC3"}, accessor | {"type": "VEC2"}],
+        "bufferViews": [{"buffer": 0, "byteLength": len(data)}],
+        "buffers": [{"byteLength": len(data), "uri": inside(data)}],
+    }
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("image_name", "written"),
+    [(None, ["texture_0.png", "texture_0_2.png"]), ("a.jpg", ["a.png", "a_2.png"])],
+)
+def test_images_of_gltf_files_become_png_each_its_own(
+    run, tmp_path, monkeypatch, image_name, written
+):
+    monkeypatch.chdir(tmp_path)  # where MeshLab looks for an image first
+    for colour, name in zip((100, 200), written, strict=True):
+        mesh = write_textured_gltf(tmp_path / f"in{colour}" / "mesh.gltf", colour, image_name)
+        assert run("segment", mesh, "-k", 1, "-q", "-o", "o.ply") == (0, "", "")
+        assert named_textures(tmp_path / "o.ply") == [name]
+        read = pymeshlab.MeshSet()
+        read.load_new_mesh("o.ply")
+        assert read.current_mesh().wedge_tex_coord_matrix()[:, 0].tolist() == [1, 0, 1]
+        read.current_mesh().textures()[name].save("pixels.ppm")
+        assert Path("pixels.ppm").read_bytes()[-12:] == bytes([colour] * 12)
 
 
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
