@@ -56,7 +56,8 @@ def copy_textures(
         found = filter(None, (_content(place / name) for place in folders))
         content = next(found, None)
         names.append(name.rpartition("/")[2])
-        if not content and (content := _decoded(mesh, old)):
+        # Where folders are known, PyMeshLab may have one of that name from the working folder only.
+        if not folders and (content := _decoded(mesh, old)):
             names[-1] = _as_png(names[-1])
         if content:
             names[-1] = _place(content, folder, names[-1])

@@ -518,6 +518,17 @@ def test_images_that_can_not_be_had_are_named_in_one_line(run, tmp_path):
         assert {path.name for path in result.parent.iterdir()} == {"o.ply", "b.png"}
 
 
+def test_an_image_in_the_working_folder_is_none_of_the_mesh(run, tmp_path, monkeypatch):
+    mesh = write_textured_cube(tmp_path / "in", "no.png")
+    (tmp_path / "no.png").write_bytes(PNG)
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)  # where MeshLab looks for an image first
+    code, _, errors = run("segment", mesh, "-k", 2, "-o", "out/o.ply", "-q")
+    assert (code, errors.count("\n")) == (0, 1)
+    assert errors.endswith(f"{mesh} that {WHY_NOT}: no.png\n")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["o.ply"]
+
+
 def test_what_is_no_image_stays_where_it_is(run, tmp_path):
     """The mesh may come from somebody who wants to see a file of this machine."""
     (tmp_path / "key").write_text("secret")
