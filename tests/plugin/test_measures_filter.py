@@ -71,3 +71,13 @@ def test_an_open_border_is_no_boundary():
     result = mesh_set.apply_filter(MEASURES)
     assert result["boundary_edge_count"] == 3
     assert result["boundary_edge_ratio"] == 3 / 12
+
+
+def test_an_edge_of_three_faces_joins_none_and_is_no_boundary():
+    fins = [[0, 1, 2], [1, 0, 3], [0, 1, 4]]
+    mesh_set = pymeshlab.MeshSet()
+    labels = np.array([0, 0, 1], dtype=float)
+    mesh_set.add_mesh(pymeshlab.Mesh(np.eye(5, 3), fins, f_scalar_array=labels))
+    result = mesh_set.apply_filter(MEASURES)
+    assert result["boundary_edge_count"] == 0
+    assert result["disconnected_submesh_count"] == 1
