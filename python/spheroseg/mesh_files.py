@@ -121,13 +121,13 @@ def load(path: Path, expected: int | None = None) -> pymeshlab.MeshSet:
 
 def _copy_elsewhere(path: Path, copy: Path) -> None:
     """Lets another process write the mesh as PLY, as a damaged file may end the one that reads."""
-    task = {"mesh": str(path), "copy": str(copy)}
+    task = {"mesh": str(path.absolute()), "copy": str(copy)}
     try:
         [(_, result)] = workers.results("spheroseg.reading_worker", {}, [task])
     except workers.WorkerError as error:
         raise InputError(f"{path}: the process that should read it failed: {error}") from None
     if "refused" in result:
-        raise InputError(result["refused"])
+        raise InputError(f"{path}: {result['refused']}")
     if "error" in result:
         raise InputError(
             f"{path}: MeshLab's reader crashed on it ({result['error']}); the file is probably "

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The process that reads a file of a format that is not checked before: a damaged one may end it.
 
-A task names a mesh and the PLY into which it is copied with all that it has.
+A task names a mesh, by its whole path, and the PLY into which it is copied with all that it has.
 """
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -24,19 +25,23 @@ def prepare(_: workers.Message) -> tuple[workers.Message, Callable]:
 
 def _copy(task: workers.Message) -> workers.Message:
     source, copy = Path(task["mesh"]), Path(task["copy"])
+    # MeshLab looks for images in the working folder first, then beside the mesh.
+    os.chdir(copy.parent)
     try:
         mesh_set = mesh_files.load(source)
         # A ply has no place for the transformation of a glTF node or a 3mf item.
         mesh_set.apply_matrix_freeze()
         _save(mesh_set, source, copy)
-    except (InputError, MemoryError) as error:
+    except InputError as error:
+        return {"refused": str(error).removeprefix(f"{source}: ")}
+    except MemoryError as error:
         return {"refused": workers.explained(error)}
     except (OSError, pymeshlab.PyMeshLabException) as error:
         place = copy.parent.parent
         return {
-            "refused": f"{source}: no copy of it, which is read in its place, can be written "
-            f"to {place}; is the disk full? Make room, or let the environment variable TMPDIR name "
-            f"another folder ({workers.explained(error)})"
+            "refused": f"no copy of it, which is read in its place, can be written to {place}; is "
+            "the disk full? Make room, or let the environment variable TMPDIR name another folder "
+            f"({workers.explained(error)})"
         }
     return {}
 

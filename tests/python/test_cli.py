@@ -567,6 +567,21 @@ def test_no_placeholder_is_written_for_an_image_of_another_format(run, tmp_path)
     assert {path.name for path in (tmp_path / "2").iterdir()} == {"o.ply"}
 
 
+def test_the_image_of_a_dae_is_that_beside_it(run, tmp_path, monkeypatch):
+    mesh = write_textured_cube(tmp_path / "in", "b.png")
+    (tmp_path / "in" / "b.png").write_bytes(PNG)
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(mesh))
+    mesh_set.save_current_mesh(str(tmp_path / "in" / "cube.dae"))
+    (tmp_path / "out").mkdir()
+    monkeypatch.chdir(tmp_path)  # where MeshLab looks for an image first
+    write_png(Path("b.png"), np.zeros((2, 2, 3), dtype=np.uint8))
+    assert run("segment", "in/cube.dae", "-k", 2, "-q", "-o", "out/o.ply") == (0, "", "")
+    Path("b.png").unlink()
+    mesh_set.load_new_mesh("out/o.ply")
+    assert mesh_set.current_mesh().textures()["b.png"].width() == 512
+
+
 def write_textured_gltf(path, colour, image_name):
     """A triangle with an image of one grey, in a file of that name or, without one, inside."""
     path.parent.mkdir()
