@@ -5,20 +5,6 @@
 
 namespace spheroseg {
 
-namespace {
-
-/// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
-/// `corner`, or, not `outward`, into it.
-SubmeshSide passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
-    if (outward) {
-        return {face, corner};
-    }
-    const NeighborSide across = patchwork.cells[face].side[corner];
-    return {face_of(across), corner_of(across)};
-}
-
-} // namespace
-
 void PlannedChains::follow(bool outward, Random& random, const Report& report) {
     turn_ = random.next();
     std::vector<int> labels;
@@ -85,7 +71,7 @@ void PlannedChains::plan_from(int label, bool outward, int previous, int begin) 
         const SubmeshSide& side = sides_[(i + turn_) % count];
         std::uint8_t& is_planned = is_planned_[3 * side.face + side.corner];
         Move move;
-        if (!is_planned && side.face != last_face && is_allowed(side, move)) {
+        if (!is_planned && side.face != last_face && is_allowed_pass(patchwork_, side, move)) {
             is_planned = 1;
             passes_.push_back({side, move.from, move.to, previous, begin});
         }
@@ -101,7 +87,8 @@ void PlannedChains::make(int last) {
     for (auto i = chain.rbegin(); i != chain.rend(); ++i) {
         const Pass& pass = passes_[*i];
         Move move;
-        if (!is_allowed(pass.side, move) || move.from != pass.from || move.to != pass.to) {
+        if (!is_allowed_pass(patchwork_, pass.side, move) || move.from != pass.from ||
+            move.to != pass.to) {
             return;
         }
         boundaries_.commit(move);

@@ -10,12 +10,6 @@
 
 namespace spheroseg {
 
-/// A side of a sub-mesh: the edge of `face` at `corner`.
-struct SubmeshSide {
-    int face;
-    int corner;
-};
-
 /// Chains of passes, each of one face from a sub-mesh to a neighbour, from sub-meshes with too many
 /// faces to ones with room, or to ones with too few from ones that can spare a face. Each pass is
 /// planned on the sub-mesh as the pass before it leaves it: which faces a sub-mesh of two or three
@@ -51,10 +45,6 @@ private:
     void plan_from(int label, bool outward, int previous, int begin);
     void forget();
     void make(int last);
-    bool is_allowed(const SubmeshSide& side, Move& move) const {
-        return describe_single(patchwork_, side.face, side.corner, move) &&
-            single_is_allowed(patchwork_, side.face, side.corner, move);
-    }
 
     Patchwork& patchwork_;
     SubmeshBoundaries& boundaries_;

@@ -7,6 +7,28 @@
 
 namespace spheroseg {
 
+/// A side of a sub-mesh: the edge of `face` at `corner`.
+struct SubmeshSide {
+    int face;
+    int corner;
+};
+
+/// The side across which a face would pass out of the sub-mesh of `face` beyond its edge at
+/// `corner`, or, not `outward`, into it.
+inline SubmeshSide passing_side(const Patchwork& patchwork, int face, int corner, bool outward) {
+    if (outward) {
+        return {face, corner};
+    }
+    const NeighborSide across = patchwork.cells[face].side[corner];
+    return {face_of(across), corner_of(across)};
+}
+
+/// Describes the pass of a face across a side; false where it is not allowed.
+inline bool is_allowed_pass(const Patchwork& patchwork, const SubmeshSide& side, Move& move) {
+    return describe_single(patchwork, side.face, side.corner, move) &&
+        single_is_allowed(patchwork, side.face, side.corner, move);
+}
+
 /// For each sub-mesh the faces that may touch another one, kept while single faces move.
 class SubmeshBoundaries {
 public:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pass_graph.h"
 
+#include "patchwork_meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,99 +14,133 @@
 namespace spheroseg {
 namespace {
 
-/// The same graph as sets of ordered pairs, and its distances by plain breadth-first search.
-struct Reference {
-    int count;
-    std::set<std::pair<int, int>> open; // (from, to): a face can pass
+using namespace test;
 
-    /// Steps from `label` (`outward`) or to it; -1: out of reach.
-    std::vector<int> distances(int label, bool outward) const {
-        std::vector<int> distance(count, -1);
+/// All moves of single faces that are allowed, from all sides of the mesh.
+std::vector<Move> allowed_moves(const Patchwork& patchwork) {
+    std::vector<Move> moves;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            Move move;
+            if (is_allowed_pass(patchwork, {f, c}, move)) {
+                moves.push_back(move);
+            }
+        }
+    }
+    return moves;
+}
+
+/// The graph as a set of pairs (from, to), and its distances by plain breadth-first search.
+struct Reference {
+    explicit Reference(const Patchwork& patchwork) : count(patchwork.submesh_count()) {
+        for (const Move& move : allowed_moves(patchwork)) {
+            open.insert({move.from, move.to});
+        }
+    }
+
+    /// Steps from `label` (`outward`) or to it, to the nearest of `ends`; -1: out of reach.
+    int distance(int label, bool outward, const std::set<int>& ends) const {
+        std::vector<int> distances(count, -1);
         std::queue<int> queue;
         queue.push(label);
-        distance[label] = 0;
+        distances[label] = 0;
         for (; !queue.empty(); queue.pop()) {
             const int at = queue.front();
-            for (int other = 0; other < count; ++other) {
-                const auto step = outward ? std::pair(at, other) : std::pair(other, at);
-                if (distance[other] < 0 && open.count(step) > 0) {
-                    distance[other] = distance[at] + 1;
+            if (at != label && ends.count(at) > 0) {
+                return distances[at];
+            }
+            for (const auto& [from, to] : open) {
+                const int other = outward ? to : from;
+                if ((outward ? from : to) == at && distances[other] < 0) {
+                    distances[other] = distances[at] + 1;
                     queue.push(other);
                 }
             }
         }
-        return distance;
+        return -1;
     }
+
+    int count;
+    std::set<std::pair<int, int>> open;
 };
 
-TEST(PassGraph, PathsAreShortestAndAvoidWhatIsBlockedUntilItChanges) {
-    constexpr int kLabels = 40;
-    Random random(3);
-    PassGraph graph(kLabels);
-    Reference reference{kLabels, {}};
-    std::set<std::pair<int, int>> linked;
-    const auto draw = [&] { return static_cast<int>(random.below(kLabels)); };
-    for (int i = 0; i < 70; ++i) {
-        const int a = draw();
-        const int b = draw();
-        if (a != b) {
-            graph.link(a, b);
-            for (const auto& step : {std::pair(a, b), std::pair(b, a)}) {
-                linked.insert(step);
-                reference.open.insert(step);
-            }
+struct Search {
+    int label;
+    bool outward;
+    std::set<int> ends;
+
+    Search(int submesh_count, Random& random)
+        : label(static_cast<int>(random.below(submesh_count))), outward(random.below(2) == 0) {
+        while (ends.size() < 2) {
+            ends.insert(static_cast<int>(random.below(submesh_count)));
         }
     }
-    int found = 0;
-    int missing = 0;
-    for (int round = 0; round < 2000; ++round) {
-        if (random.below(8) == 0) {
-            // Whatever was known of the two does not hold any more.
-            const int a = draw();
-            const int b = draw();
-            graph.change(a, b);
-            for (const auto& step : linked) {
-                if (step.first == a || step.second == a || step.first == b || step.second == b) {
-                    reference.open.insert(step);
-                }
-            }
-        } else if (random.below(2) == 0) {
-            const int from = draw();
-            const int kept = draw();
-            graph.block_from(from, [&](int other) {
-                const bool is_open = other % 3 == kept % 3;
-                if (!is_open) {
-                    reference.open.erase({from, other});
-                }
-                return is_open;
-            });
-        }
-        const int label = draw();
-        const bool outward = random.below(2) == 0;
-        const std::set<int> ends = {draw(), draw()};
-        const std::vector<int> distance = reference.distances(label, outward);
-        int least = -1;
-        for (int end : ends) {
-            if (end != label && distance[end] >= 0 && (least < 0 || distance[end] < least)) {
-                least = distance[end];
-            }
-        }
-        const std::vector<int>& path = graph.find_path(
-            label, outward, [&](int other) { return ends.count(other) > 0; }, random);
-        ASSERT_EQ(static_cast<int>(path.size()), least + 1) << "round " << round;
-        if (path.empty()) {
-            ++missing;
-            continue;
-        }
-        ++found;
+
+    std::vector<int> find(PassGraph& graph, Random& random) const {
+        return graph.find_path(
+            label, outward, [this](int other) { return ends.count(other) > 0; }, random);
+    }
+
+    void expect_open(const std::vector<int>& path, const Reference& reference) const {
         EXPECT_EQ(outward ? path.front() : path.back(), label);
         EXPECT_EQ(ends.count(outward ? path.back() : path.front()), 1u);
         for (std::size_t i = 0; i + 1 < path.size(); ++i) {
-            EXPECT_EQ(reference.open.count({path[i], path[i + 1]}), 1u) << "round " << round;
+            EXPECT_EQ(reference.open.count({path[i], path[i + 1]}), 1u);
         }
     }
-    EXPECT_GT(found, 500);
-    EXPECT_GT(missing, 100);
+};
+
+TEST(PassGraph, PathsAreShortestWhereNothingMoved) {
+    const Levels levels(displaced_sphere(3));
+    int missing = 0;
+    for (int k : {40, levels.mesh.face_count() / 4, levels.mesh.face_count() / 2}) {
+        Patchwork patchwork = ragged_patchwork(levels, k, 1);
+        SubmeshBoundaries boundaries(patchwork);
+        PassGraph graph(patchwork, boundaries);
+        const Reference reference(patchwork);
+        Random random(3);
+        for (int i = 0; i < 100; ++i) {
+            const Search search(k, random);
+            const std::vector<int> path = search.find(graph, random);
+            const int distance = reference.distance(search.label, search.outward, search.ends);
+            ASSERT_EQ(static_cast<int>(path.size()), distance + 1) << k << ", search " << i;
+            if (path.empty()) {
+                ++missing;
+            } else {
+                search.expect_open(path, reference);
+            }
+        }
+    }
+    EXPECT_GT(missing, 10);
+}
+
+TEST(PassGraph, PathsAreShortestWhereFacesMoved) {
+    const Levels levels(displaced_sphere(2));
+    int found = 0;
+    int missing = 0;
+    for (int k : {20, levels.mesh.face_count() / 4, levels.mesh.face_count() / 2}) {
+        Patchwork patchwork = ragged_patchwork(levels, k, 2);
+        SubmeshBoundaries boundaries(patchwork);
+        PassGraph graph(patchwork, boundaries);
+        Random random(4);
+        for (int i = 0; i < 300; ++i) {
+            const std::vector<Move> moves = allowed_moves(patchwork);
+            graph.pass(moves[random.below(static_cast<std::uint32_t>(moves.size()))]);
+            const Search search(k, random);
+            const std::vector<int> path = search.find(graph, random);
+            const Reference reference(patchwork);
+            const int distance = reference.distance(search.label, search.outward, search.ends);
+            ASSERT_EQ(static_cast<int>(path.size()), distance + 1) << k << ", search " << i;
+            if (path.empty()) {
+                ++missing;
+            } else {
+                ++found;
+                search.expect_open(path, reference);
+            }
+        }
+    }
+    EXPECT_GT(found, 300);
+    EXPECT_GT(missing, 20);
 }
 
 } // namespace
