@@ -44,8 +44,9 @@ Split into Sub-mesh Layers (SpheroSeg): one layer per sub-mesh, with the attribu
 
 
 # The plugin refuses a filter while another one runs. A fork waits for it too, as the child would
-# find it running for ever.
-_one_at_a_time = threading.Lock()
+# find it running for ever. The handler of a signal that came meanwhile may call one or fork: Python
+# calls it before the call that it met has returned.
+_one_at_a_time = threading.RLock()
 os.register_at_fork(
     before=_one_at_a_time.acquire,
     after_in_parent=_one_at_a_time.release,

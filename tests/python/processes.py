@@ -9,6 +9,8 @@ from pathlib import Path
 
 from mesh_paths import REPOSITORY
 
+from spheroseg import _plugin
+
 
 def environment(**others):
     return {**os.environ, "PYTHONPATH": str(REPOSITORY / "python"), **others}
@@ -59,6 +61,14 @@ def children(process_id):
 def has_plugin(process_ids):
     maps = [Path(f"/proc/{process_id}/maps") for process_id in process_ids]
     return any("libfilter_spheroseg" in read_or_nothing(path) for path in maps)
+
+
+def is_filter_running():
+    """One of another thread of this process."""
+    is_free = _plugin._one_at_a_time.acquire(blocking=False)
+    if is_free:
+        _plugin._one_at_a_time.release()
+    return not is_free
 
 
 def read_or_nothing(path):

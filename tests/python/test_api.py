@@ -15,11 +15,11 @@ import pymeshlab
 import pytest
 import recount
 from mesh_paths import PYMESHLAB_MESHES, REPOSITORY, SAMPLES, load_arrays
-from processes import run_python
+from processes import is_filter_running, run_python
 from shapes import bumpy_sphere, star_of_strips, subdivided_sphere
 
 import spheroseg
-from spheroseg import _plugin, api
+from spheroseg import api
 
 FILTERS = [
     "compute_scalar_by_balanced_segmentation_per_face",
@@ -538,7 +538,7 @@ def test_one_thread_is_one_thread_with_all_options_as_a_fork_shows():
 def test_a_fork_waits_for_the_filter_of_another_thread(cube):
     with futures.ThreadPoolExecutor(1) as pool:
         other = pool.submit(spheroseg.segment, *bumpy_sphere(5, 0), 200, effort="high")
-        while not (_plugin._one_at_a_time.locked() or other.done()):
+        while not (is_filter_running() or other.done()):
             time.sleep(0.01)
         assert not other.done()
         child = os.fork()
@@ -557,8 +557,8 @@ import atexit, sys, threading, time
 calls = []
 atexit.register(lambda: print(len(calls)))  # after what the package does then
 import spheroseg
+from processes import is_filter_running
 from shapes import bumpy_sphere
-from spheroseg import _plugin
 
 arrays = bumpy_sphere(int(sys.argv[1]), 0)
 
@@ -568,7 +568,7 @@ def call():
 
 for _ in range(2):
     threading.Thread(target=call, daemon=True).start()
-while len(calls) < int(sys.argv[3]) or not _plugin._one_at_a_time.locked():
+while len(calls) < int(sys.argv[3]) or not is_filter_running():
     time.sleep(0.001)
 """
 

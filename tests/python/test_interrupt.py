@@ -170,6 +170,47 @@ def test_what_an_own_handler_raises_is_raised():
     assert told["sub-meshes_of_second_call"] == 7
 
 
+# The signal comes while a filter runs; where the process hangs, the alarm ends it.
+CALLING_PROGRAM = """
+import os, signal, sys, threading
+import numpy, spheroseg
+from processes import is_filter_running
+from shapes import bumpy_sphere
+
+arrays = bumpy_sphere(6, 0)
+
+def call(*_):
+    signal.alarm(20)
+    child = os.fork()
+    if child == 0:
+        os._exit(0)
+    os.waitpid(child, 0)
+    measures = spheroseg.measure(*arrays, numpy.zeros(len(arrays[1])))
+    print(measures["boundary_edge_count"], flush=True)
+    sys.exit(3)
+
+def send():
+    while not is_filter_running():
+        pass
+    os.kill(os.getpid(), int(sys.argv[1]))
+
+signal.signal(int(sys.argv[1]), call)
+threading.Thread(target=send, daemon=True).start()
+spheroseg.segment(*arrays, 200, effort="high")
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_own_handler_may_call_filters_and_fork(number):
+    done = subprocess.run(
+        [sys.executable, "-c", CALLING_PROGRAM, str(int(number))],
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+    )
+    assert (done.returncode, done.stdout) == (3, "0\n"), done.stderr
+
+
 def test_ignored_signal_stays_ignored():
     code, told = interrupt_program("SIG_IGN", *SEGMENT, SHORT)
     assert code == 0, told
