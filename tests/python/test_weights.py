@@ -167,6 +167,21 @@ def test_a_damaged_file_of_weights_is_called_that(tmp_path, capsys):
         assert f"{path}: is no file of weights: {reason}\n" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["segment", "split"])
+def test_weights_that_do_not_fit_are_refused_with_the_name_of_their_file(
+    command, leaf, weights, tmp_path, capsys
+):
+    path = tmp_path / "weights.npy"
+    np.save(path, weights[1:])
+    arguments = [command, str(LEAF), "-k", "12", "--balance", "weight", "--weights", str(path)]
+    assert cli.main([*arguments, *(["-o", str(tmp_path / "out")] * (command == "split"))]) == 2
+    count = len(leaf[1])
+    assert capsys.readouterr().err == (
+        f"spheroseg {command}: {path}: face_weights must have one entry per face: {count}, "
+        f"got {count - 1}\n"
+    )
+
+
 @pytest.mark.parametrize("name", ["metis_kway", "metis_recursive", "region_growing"])
 def test_labels_of_other_methods_become_valid_and_mostly_stay(name):
     arrays = load_arrays(SAMPLE_FOLDER / "displaced_sphere.ply")

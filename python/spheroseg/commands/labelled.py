@@ -57,10 +57,8 @@ def read(arguments, every_vertex: bool = True) -> LabelledMesh:
     labels = _labels(arguments, mesh_set, options, given)
     mesh = mesh_set.current_mesh()
     vertices = mesh.vertex_matrix()
-    try:
+    with shared.named(arguments.mesh):
         submeshes = split_into_submeshes(vertices, mesh.face_matrix(), labels)
-    except InputError as error:
-        raise InputError(f"{arguments.mesh}: {error}") from None
     colours = mesh_files.face_colours(mesh), mesh_files.vertex_colours(mesh)
     return LabelledMesh(vertices, submeshes, *colours)
 
@@ -69,8 +67,7 @@ def _labels(arguments, mesh_set: pymeshlab.MeshSet, options: dict, given: list[s
     if arguments.labels:
         return shared.read_labels(arguments.labels, mesh_set)
     if options.keys() & {"submesh_count", "triangles_per_submesh"}:
-        if arguments.weights:
-            api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
+        shared.set_weights(arguments.weights, mesh_set, options)
         measures = shared.run_with_progress(
             mesh_set, arguments.mesh, "Segmenting", api.SEGMENT_FILTER, **options
         )

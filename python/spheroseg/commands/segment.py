@@ -83,8 +83,7 @@ def run(arguments) -> int:
     options = api.segment_parameters(segment_options(arguments))
     shared.check_outputs(arguments)
     mesh_set, lost = mesh_files.read_counting_lost(arguments.mesh)
-    if arguments.weights:
-        api.set_face_weights(mesh_set, mesh_files.read_weights(arguments.weights), options)
+    shared.set_weights(arguments.weights, mesh_set, options)
     if arguments.initial_labels:
         labels = shared.read_labels(arguments.initial_labels, mesh_set)
         api.check_label_count(labels, options)

@@ -3,6 +3,7 @@
 
 import contextlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -67,10 +68,26 @@ def check_outputs(arguments) -> None:
 
 
 def read_labels(path: str, mesh_set: pymeshlab.MeshSet) -> np.ndarray:
-    """Labels for the current mesh from a file; what is wrong with them gets its name in front."""
+    """Labels for the current mesh from a file."""
     labels = mesh_files.read_labels(path)
-    try:
+    with named(path):
         return as_labels(labels, mesh_set.current_mesh().face_number())
+
+
+def set_weights(path: str | None, mesh_set: pymeshlab.MeshSet, options: dict[str, Any]) -> None:
+    """Gives the current mesh the weights of a file, where there is one."""
+    if path is None:
+        return
+    weights = mesh_files.read_weights(path)
+    with named(path):
+        api.set_face_weights(mesh_set, weights, options)
+
+
+@contextlib.contextmanager
+def named(path: str) -> Iterator[None]:
+    """Puts the name of a file in front of what the `with` block refuses."""
+    try:
+        yield
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -111,11 +128,8 @@ def run_with_progress(
     mesh_set: pymeshlab.MeshSet, mesh_path: str, title: str, filter_name: str, **parameters: Any
 ) -> dict[str, Any]:
     """Runs a filter of the plugin; its refusals get the mesh's name in front."""
-    try:
-        with filter_progress(mesh_set, title):
-            return api.run_filter(mesh_set, filter_name, **parameters)
-    except InputError as error:
-        raise InputError(f"{mesh_path}: {error}") from None
+    with named(mesh_path), filter_progress(mesh_set, title):
+        return api.run_filter(mesh_set, filter_name, **parameters)
 
 
 def report(arguments, measures: dict[str, Any]) -> None:
