@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Segmentation, parametrization and measures of meshes that are given as arrays."""
 
+import math
 import numbers
 import re
 from collections.abc import Iterator
@@ -272,9 +273,13 @@ def _checked_option(name: str, value: Any, kind: type | tuple[str, ...]) -> Any:
     if isinstance(value, bool | np.bool_) or not isinstance(value, numbers.Real):
         raise InputError(f"{name} must be a number, got {value!r}")
     if kind is float:
-        if not np.isfinite(value):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
             raise InputError(f"{name} must be finite, got {value!r}")
-        return float(value)
+        return number
     if not isinstance(value, numbers.Integral):
         raise InputError(f"{name} must be a whole number, got {value!r}")
     if not -_INT_LIMIT <= value < _INT_LIMIT:

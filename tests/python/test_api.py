@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from concurrent import futures
+from fractions import Fraction
 
 import numpy as np
 import pymeshlab
@@ -295,6 +296,7 @@ BAD_OPTIONS = [
     ({"max_refinement_iterations": -1}, r"max_refinement_iterations.*-1"),
     ({"time_limit_seconds": -0.5}, r"time_limit_seconds.*-0.5"),
     ({"time_limit_seconds": float("nan")}, r"time_limit_seconds must be finite, got nan"),
+    ({"time_limit_seconds": 10**400}, r"time_limit_seconds must be finite, got 1000"),
     ({"weight_attribute": "w"}, r"weight_attribute='w' needs balance='weight'"),
     (
         {"balance": "weight", "face_weights": np.ones(12), "weight_attribute": "w"},
@@ -308,6 +310,11 @@ BAD_OPTIONS = [
 def test_a_bad_option_is_refused_with_its_value(cube, options, message):
     with pytest.raises(spheroseg.InputError, match=message):
         spheroseg.segment(*cube, **options)
+
+
+def test_a_time_limit_may_be_any_real_number(cube):
+    for limit in (Fraction(1, 2), np.float16(0.5), 1):
+        assert len(spheroseg.segment(*cube, 3, time_limit_seconds=limit).labels) == 12
 
 
 def test_labels_and_faces_may_be_of_16_bits(cube):
