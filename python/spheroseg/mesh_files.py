@@ -248,11 +248,14 @@ def _check_text(path: Path) -> None:
 
 
 def _read_npy(path: Path) -> np.ndarray:
-    # Mapped into memory, so that a header that declares more than there is costs no memory.
-    numbers = np.load(path, mmap_mode="r", allow_pickle=False)
-    if not isinstance(numbers, np.ndarray):
+    with path.open("rb") as file:
+        start = file.read(len(np.lib.format.MAGIC_PREFIX))
+    if start.startswith(b"PK"):
         raise ValueError("it holds several arrays (.npz); one is expected")
-    return np.array(numbers)
+    if start != np.lib.format.MAGIC_PREFIX:
+        raise ValueError("it does not begin as .npy files do; the name of a text must end in .txt")
+    # Mapped into memory, so that a header that declares more than there is costs no memory.
+    return np.array(np.load(path, mmap_mode="r", allow_pickle=False))
 
 
 def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:

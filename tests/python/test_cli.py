@@ -741,7 +741,10 @@ BAD_CALLS = {
     "label words": (["measure", CUBE, "--labels", "words.txt"], "is no file of labels"),
     "label halves": (["measure", CUBE, "--labels", "halves.txt"], "(0,) is 0.5"),
     "label negative": (["measure", CUBE, "--labels", "negative.txt"], "face 0 has -1"),
-    "label npy": (["measure", CUBE, "--labels", "broken.npy"], "is no file of labels"),
+    "label npy": (
+        ["measure", CUBE, "--labels", "broken.npy"],
+        "is no file of labels: it does not begin as .npy files do; the name of a text must end in",
+    ),
 }
 
 
