@@ -22,12 +22,12 @@ FILTERS = {
 Balanced Segmentation (SpheroSeg): writes the label 0..k-1 of each face as its quality.
 
 Keyword arguments: submesh_count (int, 200, or ceil(F / 10) if that is less),
-triangles_per_submesh (int, 0), method ('fast', 'all_pairs'), effort ('draft', 'standard', 'high'),
-device ('auto', 'cpu', 'cuda'), seed (int, 0), thread_count (int, 0: all cores),
-max_cohesion_iterations, max_refinement_iterations (int, 0: until converged), time_limit_seconds
-(float, 0: none), balance ('triangle_count', 'weight'), weight_attribute (str, '': areas),
-initial_labels ('none', 'face_quality'), colorize (bool, True). Returns the measures as a
-dictionary; see docs/measures.md.""",
+triangles_per_submesh (int, 0), method (default 'fast', or 'all_pairs'), effort (default 'standard',
+or 'draft', 'high'), device (default 'auto', or 'cpu', 'cuda'), seed (int, 0), thread_count (int, 0:
+all cores), max_cohesion_iterations, max_refinement_iterations (int, 0: until converged),
+time_limit_seconds (float, 0: none), balance (default 'triangle_count', or 'weight'),
+weight_attribute (str, '': areas), initial_labels (default 'none', or 'face_quality'), colorize
+(bool, True). Returns the measures as a dictionary; see docs/measures.md.""",
     "compute_spherical_parametrization_per_vertex": """\
 Spherical Parametrization (SpheroSeg): writes the vertex attribute 'sphere_position'.
 

@@ -3,6 +3,7 @@
 
 import contextlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -62,6 +63,19 @@ def test_import_binds_each_filter_as_a_documented_method(cube, name):
     mesh_set.add_mesh(pymeshlab.Mesh(*cube))
     for parameter in mesh_set.filter_parameter_values(name):
         assert parameter in text
+
+
+def test_docstring_and_manual_name_the_default_of_each_choice(cube):
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.add_mesh(pymeshlab.Mesh(*cube))
+    defaults = mesh_set.filter_parameter_values(api.SEGMENT_FILTER)
+    docstring = " ".join(getattr(pymeshlab.MeshSet, api.SEGMENT_FILTER).__doc__.split())
+    manual = (REPOSITORY / "docs" / "python.md").read_text()
+    choices = (api.METHODS, api.EFFORTS, api.DEVICES, api.BALANCES)
+    for name, words in zip(("method", "effort", "device", "balance"), choices, strict=True):
+        default = words[defaults[name]]
+        assert f" {name} (default '{default}'" in docstring
+        assert re.search(rf"^\| `{name}` \| [^|]*`{default}` \(default\)", manual, re.M), name
 
 
 def test_the_methods_work_as_the_manual_shows(sample_arrays):

@@ -41,7 +41,7 @@ def add_arguments(parser):
 
 def add_segment_options(parser):
     """The options of the method, for every command that segments."""
-    parser.add_argument("--method", choices=api.METHODS, help="segmentation method")
+    parser.add_argument("--method", choices=api.METHODS, help="segmentation method (fast)")
     parser.add_argument(
         "--balance", choices=api.BALANCES, help="what is equal in all sub-meshes (triangle_count)"
     )
