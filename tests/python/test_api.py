@@ -4,6 +4,7 @@
 import contextlib
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from processes import is_filter_running, run_python
 from shapes import bumpy_sphere, star_of_strips, subdivided_sphere
 
 import spheroseg
-from spheroseg import api
+from spheroseg import api, mesh_files
 
 FILTERS = [
     "compute_scalar_by_balanced_segmentation_per_face",
@@ -76,6 +77,19 @@ def test_docstring_and_manual_name_the_default_of_each_choice(cube):
         default = words[defaults[name]]
         assert f" {name} (default '{default}'" in docstring
         assert re.search(rf"^\| `{name}` \| [^|]*`{default}` \(default\)", manual, re.M), name
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/weights.md"])
+def test_the_examples_of_the_manual_run(page, tmp_path, monkeypatch):
+    cow = shutil.copy(mesh_files.sample_mesh("cow.obj"), tmp_path)
+    monkeypatch.chdir(tmp_path)
+    vertices, faces = load_arrays(cow)
+    names = {"spheroseg": spheroseg, "pymeshlab": pymeshlab, "vertices": vertices, "faces": faces}
+    names |= {"weights": np.arange(len(faces)) / 2, "labels": np.arange(len(faces)) // 30}
+    examples = re.findall(r"^```python\n(.*?)^```", (REPOSITORY / page).read_text(), re.M | re.S)
+    assert len(examples) == 2
+    for example in examples:
+        exec(example, names)
 
 
 def test_the_methods_work_as_the_manual_shows(sample_arrays):
