@@ -3,6 +3,7 @@
 
 import atexit
 import contextlib
+import functools
 import os
 import re
 import signal
@@ -103,6 +104,7 @@ def plugin_path() -> Path:
     )
 
 
+@functools.cache
 def load_plugin() -> Path:
     """Loads the plugin into this process's PyMeshLab and makes its filters methods of MeshSet.
 

@@ -56,6 +56,23 @@ def test_a_plugin_beside_the_package_comes_before_the_build_folder(tmp_path):
     assert run_python(*show, **environment).stdout.strip() == str(package / PLUGIN_FILE)
 
 
+AWAY = """
+import os, sys
+import spheroseg
+from spheroseg.api import TETRAHEDRON
+
+os.unlink(sys.argv[1])
+os.chdir("/")
+print(spheroseg.segment(*TETRAHEDRON, 4).measures["submesh_count"])
+"""
+
+
+def test_a_plugin_that_is_loaded_is_not_looked_for_again(tmp_path):
+    copy = shutil.copy(spheroseg.plugin_path(), tmp_path / PLUGIN_FILE)
+    run = run_python("-c", AWAY, copy, SPHEROSEG_PLUGIN=os.path.relpath(copy))
+    assert (run.returncode, run.stdout) == (0, "4\n"), run.stderr
+
+
 def test_a_plugin_for_another_release_is_refused_with_both_releases(other_release):
     run = run_python("-c", "import spheroseg", SPHEROSEG_PLUGIN=str(other_release))
     assert run.returncode == 1
