@@ -101,7 +101,7 @@ std::vector<double> load_shares(const std::vector<double>& weights, int submesh_
     shares.reserve(weights.size());
     for (double weight : weights) {
         const double part = weight > 0.0 ? weight / heaviest : 0.0;
-        const double whole = weight > 0.0 ? 1.0 : 0.0;
+        const double whole = part > 0.0 ? 1.0 : 0.0;
         shares.push_back(part < ideal ? part / ideal : whole);
     }
     return shares;

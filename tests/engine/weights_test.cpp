@@ -59,6 +59,7 @@ TEST(FaceWeights, SharesOfTheIdealLoadByHand) {
     EXPECT_EQ(load_shares({2, 4, 100, 2}, 3), (Shares{0.5, 1, 1, 0.5}));
     EXPECT_EQ(load_shares({5, 0, 1e-300, 0}, 3), (Shares{1, 0, 1, 0}));
     EXPECT_EQ(load_shares({0, 0}, 2), (Shares{0, 0}));
+    EXPECT_EQ(load_shares({1e20, 1e-308, 1e-308}, 2), (Shares{1, 0, 0}));
     EXPECT_EQ(load_shares({1e308, 1e308, 1e308, 1e308}, 1), (Shares{0.25, 0.25, 0.25, 0.25}));
 }
 
@@ -343,9 +344,11 @@ TEST(WeightBalance, ExtremeWeightsGiveASoundResult) {
     for (int f = 0; f < face_count; ++f) {
         spread[f] = std::pow(10.0, f % 600 - 300);
     }
+    std::vector<double> wider(face_count, 1e-308); // as parts of the heaviest all are 0
+    wider[100] = 1e20;
     std::vector<double> half(face_count, 0.0);
     std::fill(half.begin(), half.begin() + face_count / 2, 1.0);
-    for (const std::vector<double>& weights : {one, huge, spread, half}) {
+    for (const std::vector<double>& weights : {one, huge, spread, wider, half}) {
         for (int k : {1, 2, 30, face_count - 1, face_count}) {
             const Segmentation result = segment(prepared, weight_options(k, weights));
             EXPECT_TRUE(is_sound(result.measures)) << k;
