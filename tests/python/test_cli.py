@@ -184,6 +184,7 @@ def test_measure_counts_the_same_from_the_mesh_and_from_either_file_of_labels(ru
     expected = recount.measures(load_arrays(LEAF)[1], labels)
     assert reports[0]["boundary_edge_count"] == expected["boundary_edge_count"]
     assert reports[0]["submesh_triangles"] == expected["submesh_triangles"].tolist()
+    assert (reports[0]["submesh_count"], reports[0]["triangle_count"]) == (9, len(labels))
 
 
 def test_parametrize_writes_a_sphere_with_the_same_triangles(run, tmp_path):

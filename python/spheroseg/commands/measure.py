@@ -24,5 +24,9 @@ def run(arguments) -> int:
     else:
         shared.require_labels(arguments.mesh, mesh_set)
     measures = shared.run_with_progress(mesh_set, arguments.mesh, "Measuring", api.MEASURE_FILTER)
-    shared.report(arguments, measures)
+    counts = {
+        "submesh_count": len(measures["submesh_triangles"]),
+        "triangle_count": mesh_set.current_mesh().face_number(),
+    }
+    shared.report(arguments, dict(sorted({**measures, **counts}.items())))
     return 0
