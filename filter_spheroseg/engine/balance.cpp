@@ -55,7 +55,8 @@ private:
             work_left_ -= unreported_;
             unreported_ = 0;
             report_progress(progress_, 0.0, "Balancing");
-            is_over_ = work_left_ <= 0 || (deadline_ && deadline_->expired());
+            is_late_ = deadline_ && deadline_->expired();
+            is_over_ = is_late_ || work_left_ <= 0;
         }
     }
 
@@ -72,7 +73,10 @@ private:
     }
 
     void follow_plans() {
-        const auto report = [this](std::int64_t faces) { count_work(faces); };
+        const auto report = [this](std::int64_t faces) {
+            count_work(faces);
+            return !is_late_;
+        };
         chains_.follow(true, random_, report);
         chains_.follow(false, random_, report);
     }
@@ -93,7 +97,7 @@ private:
         const int goal = outward ? path.back() : path.front();
         const int needed = std::min(deviation(label), room(goal, outward));
         bool moved = false;
-        for (int passed = 0; passed < needed; ++passed) {
+        for (int passed = 0; passed < needed && !is_late_; ++passed) {
             for (std::size_t i = 0; i + 1 < path.size(); ++i) {
                 if (!pass(path[i], path[i + 1])) {
                     return moved;
@@ -130,7 +134,8 @@ private:
     const Deadline* const deadline_;
     const Progress& progress_;
     std::int64_t work_left_;
-    bool is_over_ = false;
+    bool is_late_ = false; // the deadline has expired
+    bool is_over_ = false; // that, or the work is done
     std::int64_t unreported_ = 0;
     SubmeshBoundaries boundaries_;
     PassGraph graph_;

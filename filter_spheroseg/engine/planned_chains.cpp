@@ -28,8 +28,9 @@ void PlannedChains::find(const std::vector<int>& labels, bool outward, const Rep
     }
     std::vector<std::uint8_t> is_found(labels.size(), 0);
     const auto end_of = [outward](const Pass& pass) { return outward ? pass.to : pass.from; };
-    for (std::size_t head = 0; head < passes_.size() && ends_.size() < labels.size(); ++head) {
-        report(std::exchange(work_, 0));
+    for (std::size_t head = 0;
+         head < passes_.size() && ends_.size() < labels.size() && report(std::exchange(work_, 0));
+         ++head) {
         const Pass pass = passes_[head];
         const int at = end_of(pass);
         if (is_found[pass.begin]) {

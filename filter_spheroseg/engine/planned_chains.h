@@ -17,8 +17,9 @@ namespace spheroseg {
 /// too few below `even.floor`.
 class PlannedChains {
 public:
-    /// Receives the number of faces that were looked at since its previous call.
-    using Report = std::function<void(std::int64_t)>;
+    /// Receives the number of faces that were looked at since its previous call. False means that
+    /// no more chains are searched for; those found so far are made.
+    using Report = std::function<bool(std::int64_t)>;
 
     PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
         : patchwork_(patchwork), boundaries_(boundaries), even_(even),

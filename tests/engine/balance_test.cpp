@@ -68,6 +68,25 @@ TEST(Balance, StopsWhenTimeOrWorkIsUp) {
     EXPECT_EQ(reports_until(nullptr, 1), 1);
 }
 
+// Two large sub-meshes pass thousands of faces along one chain.
+TEST(Balance, StopsBetweenThePassesOfAChainWhenTimeIsUp) {
+    const Levels levels(displaced_sphere(5));
+    const Patchwork eighths = rough_patchwork(levels, 8, 1);
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 2);
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        patchwork.set_own_label(f, eighths.label(f) == 7);
+    }
+    patchwork.tell_neighbors();
+    repair(patchwork);
+    const std::int64_t before = misplaced(patchwork);
+    ASSERT_GT(before, patchwork.face_count() / 2);
+    const Deadline deadline(1e-9);
+    EXPECT_FALSE(balance_exactly(patchwork, &deadline));
+    EXPECT_GT(misplaced(patchwork), before / 2);
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+    EXPECT_TRUE(balance_exactly(patchwork));
+}
+
 TEST(Balance, IsHopelessWhereMoreThanAHundredAndOneOfFiftyAreOff) {
     const Levels levels(displaced_sphere(5)); // 20,480 faces
     for (const auto& [k, most_off] : {std::pair{64, 64}, {2048, 100}, {5120, 102}, {10240, 204}}) {

@@ -17,7 +17,7 @@ struct ChainsOf {
         : boundaries(from), chains(from, boundaries, even_loads(from)) {}
 
     void follow(bool outward) {
-        chains.follow(outward, random, [](std::int64_t) {});
+        chains.follow(outward, random, [](std::int64_t) { return true; });
     }
 
     SubmeshBoundaries boundaries;
@@ -81,6 +81,20 @@ TEST(PlannedChains, AChainMayBeAsLongAsThereAreSubmeshes) {
         chains.follow(outward);
         EXPECT_EQ(misplaced(patchwork), 0);
         EXPECT_TRUE(is_sound(measures_of(*strip.levels, patchwork)));
+    }
+}
+
+TEST(PlannedChains, ASearchEndsWhenItsReportSaysSo) {
+    const Strip strip(20);
+    for (bool outward : {true, false}) {
+        Patchwork patchwork = strip.patchwork();
+        ChainsOf chains(patchwork);
+        int reports = 0;
+        chains.chains.follow(outward, chains.random, [&](std::int64_t) { return ++reports < 3; });
+        EXPECT_EQ(reports, 3);
+        EXPECT_EQ(misplaced(patchwork), 2);
+        chains.follow(outward);
+        EXPECT_EQ(misplaced(patchwork), 0);
     }
 }
 
