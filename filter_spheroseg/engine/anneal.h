@@ -19,7 +19,8 @@ struct AnnealSchedule {
     /// any).
     double proposals_per_face = 100.0;
     int phase_count = 24;
-    /// At least so many proposals over all phases, however few boundary faces there are.
+    /// At least so many proposals over all phases, however few boundary faces there are; not in
+    /// rounds.
     double least_proposals = 0.0;
     /// For anneal_balanced and anneal_below only. 0: each phase draws new groups of sub-meshes.
     /// Else the number of rounds: each round draws groups and runs all phases on them; then the

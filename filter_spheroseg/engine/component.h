@@ -12,9 +12,9 @@ namespace spheroseg {
 /// Its faces are oriented alike as far as it is orientable.
 class Component {
 public:
-    /// The component with the faces `faces` (indices into `mesh`, increasing). O(its size) with
-    /// `local_index`, which has an entry for every face of the mesh: the index of the face among
-    /// those of its component.
+    /// The component with the faces `faces` (indices into `mesh`, increasing). O(n log n) for n
+    /// faces with `local_index`, which has an entry for every face of the mesh: the index of the
+    /// face among those of its component.
     Component(const TriangleMesh& mesh,
               const DualGraph& dual_graph,
               std::vector<int> faces,

@@ -22,8 +22,7 @@ struct DualGraph {
 /// as in a manifold mesh (see MeshReport), saves walking around those inside a sub-mesh.
 enum class VertexFanCount { unknown, one };
 
-/// Throws InvalidInput when a mesh has more than kMaxFaces faces, or as many vertices as there are
-/// ints.
+/// Throws InvalidInput when a mesh has more than kMaxFaces faces or 2^30 vertices.
 void check_size(std::size_t face_count, std::size_t vertex_count);
 
 /// Builds the dual graph in O(F log d), in parallel; d: edges of a vertex, at most. Two faces are

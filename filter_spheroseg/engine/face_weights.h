@@ -10,7 +10,8 @@ namespace spheroseg {
 /// at least one is above 0; the message has the count of what is wrong and the first face.
 void check_face_weights(const std::vector<double>& weights, int face_count);
 
-/// Areas of the triangles; in units of the largest coordinate squared, so that none overflows.
+/// Areas of the triangles; in units of the square of twice the largest coordinate, so that none
+/// overflows.
 std::vector<double> face_areas(const TriangleMesh& mesh);
 
 /// The weights that `options` ask for: face_weights, or areas when there are none.

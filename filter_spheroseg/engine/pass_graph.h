@@ -33,7 +33,8 @@ public:
     /// Makes the move of a single face.
     void pass(const Move& move);
 
-    /// Number of sub-meshes that were visited and of faces that were looked at since the last call.
+    /// Work since the last call: the faces that were looked at; four visited sub-meshes count as
+    /// one.
     std::int64_t take_work() { return std::exchange(work_, 0); }
 
 private:

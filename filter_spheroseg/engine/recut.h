@@ -19,13 +19,13 @@ namespace spheroseg {
 /// wanders until it meets one of the opposite sign.
 ///
 /// All sub-meshes must be connected and free of bowties, and stay so. Their boundaries get longer;
-/// no load gets farther from balance. Rings may open and close, whatever `may_close_rings` says.
-/// Each cut is taken off `cuts_left`; one of a large region counts as several. Returns whether the
-/// loads are balanced; false after many cuts without progress, when no cuts are left at the end of
-/// a round (up to 48 for each sub-mesh that is off), when no more than `least_misplaced` faces are
-/// too many or too few, and at most 20,000 faces and a cut after `deadline` (may be null) has
-/// expired. Deterministic but for the deadline. Throws Cancelled when the progress callback asks
-/// for it.
+/// all loads together get no farther from balance (`misplaced`), a single one may. Rings may open
+/// and close, whatever `may_close_rings` says. Each cut is taken off `cuts_left`; one of a large
+/// region counts as several. Returns whether the loads are balanced; false after many cuts without
+/// progress, when no cuts are left at the end of a round (up to 48 for each sub-mesh that is off),
+/// when no more than `least_misplaced` faces are too many or too few, and at most 20,000 faces and
+/// a cut after `deadline` (may be null) has expired. Deterministic but for the deadline. Throws
+/// Cancelled when the progress callback asks for it.
 bool recut_to_balance(Patchwork& patchwork,
                       std::int64_t& cuts_left,
                       TreeTurns turns = TreeTurns::random,

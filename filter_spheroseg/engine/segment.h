@@ -61,7 +61,8 @@ struct Segmentation {
 /// and report, and, built on first use and kept, components and parametrization.
 class PreparedMesh {
 public:
-    /// Examines the mesh. Throws InvalidInput when a vertex index is out of range, OutOfMemory.
+    /// Examines the mesh. Throws InvalidInput when it is too large (check_size) or a vertex index
+    /// is out of range, OutOfMemory.
     explicit PreparedMesh(TriangleMesh mesh, int thread_count = 0);
     ~PreparedMesh();
     // Its components refer to it.
