@@ -95,8 +95,7 @@ private:
         count_work(boundaries_.listed_count(label));
         boundaries_.for_each_side(label, [&](int face, int corner, int) {
             Passage passage{face, corner, {}};
-            if (describe_single(patchwork_, face, corner, passage.move) &&
-                single_is_allowed(patchwork_, face, corner, passage.move)) {
+            if (is_allowed_pass(patchwork_, {face, corner}, passage.move)) {
                 passages_.push_back(passage);
             }
         });
@@ -170,9 +169,8 @@ private:
         bool relieved = false;
         for (Passage passage = last;;) {
             Move move;
-            if (!describe_single(patchwork_, passage.face, passage.corner, move) ||
-                move.from != passage.move.from || move.to != passage.move.to ||
-                !single_is_allowed(patchwork_, passage.face, passage.corner, move)) {
+            if (!is_allowed_pass(patchwork_, {passage.face, passage.corner}, move) ||
+                move.from != passage.move.from || move.to != passage.move.to) {
                 return relieved;
             }
             boundaries_.commit(move);
