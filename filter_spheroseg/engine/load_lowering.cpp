@@ -10,10 +10,9 @@ namespace spheroseg {
 
 namespace {
 
-/// A face that may pass across its edge at `corner`.
+/// A side across which its face may pass.
 struct Passage {
-    int face;
-    int corner;
+    SubmeshSide side;
     Move move;
 };
 
@@ -94,8 +93,8 @@ private:
         passages_.clear();
         count_work(boundaries_.listed_count(label));
         boundaries_.for_each_side(label, [&](int face, int corner, int) {
-            Passage passage{face, corner, {}};
-            if (is_allowed_pass(patchwork_, {face, corner}, passage.move)) {
+            Passage passage{{face, corner}, {}};
+            if (is_allowed_pass(patchwork_, passage.side, passage.move)) {
                 passages_.push_back(passage);
             }
         });
@@ -113,18 +112,19 @@ private:
     bool relieve(int start) {
         queue_.assign(1, start);
         inflow_[start] = 0;
-        Passage last{-1, 0, {}};
-        for (std::size_t head = 0; head < queue_.size() && last.face < 0 && !is_over_; ++head) {
+        Passage last{{-1, 0}, {}};
+        for (std::size_t head = 0; head < queue_.size() && last.side.face < 0 && !is_over_;
+             ++head) {
             const int label = queue_[head];
             const int must_pass =
                 label == start ? 1 : patchwork_.load[label] + inflow_[label] - limit_;
             find_passages(label);
             last = best_end(must_pass);
-            if (last.face < 0) {
+            if (last.side.face < 0) {
                 extend(must_pass);
             }
         }
-        const bool moved = last.face >= 0 && carry_out(start, last);
+        const bool moved = last.side.face >= 0 && carry_out(start, last);
         for (int l : queue_) {
             inflow_[l] = -1;
         }
@@ -133,12 +133,12 @@ private:
 
     /// The move after which the chain may end that costs the fewest boundary edges.
     Passage best_end(int must_pass) const {
-        Passage best{-1, 0, {}};
+        Passage best{{-1, 0}, {}};
         for (const Passage& passage : passages_) {
             const Move& move = passage.move;
             if (inflow_[move.to] < 0 && move.weight >= must_pass &&
                 patchwork_.load[move.to] + move.weight <= limit_ &&
-                (best.face < 0 || move.boundary_change < best.move.boundary_change)) {
+                (best.side.face < 0 || move.boundary_change < best.move.boundary_change)) {
                 best = passage;
             }
         }
@@ -169,7 +169,7 @@ private:
         bool relieved = false;
         for (Passage passage = last;;) {
             Move move;
-            if (!is_allowed_pass(patchwork_, {passage.face, passage.corner}, move) ||
+            if (!is_allowed_pass(patchwork_, passage.side, move) ||
                 move.from != passage.move.from || move.to != passage.move.to) {
                 return relieved;
             }

@@ -94,8 +94,7 @@ TEST(Branches, KeepBothSubmeshesSoundOnSurfacesFullOfHoles) {
                     continue;
                 }
                 Move move;
-                const bool alone = describe_single(patchwork, f, c, move) &&
-                    single_is_allowed(patchwork, f, c, move);
+                const bool alone = is_allowed_pass(patchwork, {f, c}, move);
                 const std::vector<int> branch = branches.find(f, to, 30);
                 EXPECT_TRUE(!alone || branch == std::vector<int>{f});
                 if (branch.empty()) {

@@ -8,6 +8,7 @@
 #include "measures.h"
 #include "multilevel.h"
 #include "repair.h"
+#include "submesh_boundaries.h"
 
 #include "test_meshes.h"
 
@@ -68,8 +69,7 @@ inline Patchwork ragged_patchwork(const Levels& levels, int submesh_count, std::
         const auto face = static_cast<int>(random.below(patchwork.face_count()));
         const auto corner = static_cast<int>(random.below(3));
         Move move;
-        if (describe_single(patchwork, face, corner, move) &&
-            single_is_allowed(patchwork, face, corner, move)) {
+        if (is_allowed_pass(patchwork, {face, corner}, move)) {
             apply(patchwork, move);
         }
     }

@@ -43,8 +43,7 @@ int pass_any(Patchwork& patchwork, int from, Random& random) {
     for (int f = 0; f < patchwork.face_count(); ++f) {
         for (int c = 0; c < 3 && patchwork.label(f) == from; ++c) {
             Move move;
-            if (describe_single(patchwork, f, c, move) &&
-                single_is_allowed(patchwork, f, c, move) && random.below(++count) == 0) {
+            if (is_allowed_pass(patchwork, {f, c}, move) && random.below(++count) == 0) {
                 chosen = move;
             }
         }
