@@ -70,7 +70,7 @@ public:
             failure.guard([&] { components_ = face_components(dual_graph_); });
         }
         failure.rethrow();
-        if (!have_one_fan_each(threads) || any_edge_has_two_loose_sides()) {
+        if (!have_one_fan_each(threads)) {
             number_fans();
         }
         examine_loose_edges();
@@ -162,20 +162,12 @@ private:
             });
     }
 
-    bool any_edge_has_two_loose_sides() const {
-        return std::adjacent_find(loose_sides_.begin(),
-                                  loose_sides_.end(),
-                                  [](const LooseSide& a, const LooseSide& b) {
-                                      return a.same_edge(b);
-                                  }) != loose_sides_.end();
-    }
-
     int corner_of(int face, int vertex) const {
         return 3 * face + spheroseg::corner_of(mesh_.faces[face], vertex);
     }
 
     /// Numbers the fans that the dual graph joins around each vertex. Where each vertex has one,
-    /// and no edge joins others, nobody asks for them.
+    /// nobody asks for them: an edge with more than two faces has several at either end.
     void number_fans() {
         fan_of_corner_.assign(3 * mesh_.faces.size(), -1);
         extra_fans_.assign(mesh_.positions.size(), -1);
@@ -221,13 +213,14 @@ private:
         }
     }
 
-    /// Two faces with the same vertices share three edges: either all three are joined between
-    /// them, or one of the sides is loose. So few faces need to be compared.
+    /// Two faces with the same vertices share three edges, and each of these joins them or is
+    /// loose: two of a face's three neighbours are the same, or none. So few faces need to be
+    /// compared.
     void count_duplicates() {
         std::vector<std::pair<Triangle, int>> candidates;
         for (int f = 0; f < mesh_.face_count(); ++f) {
             const auto& [a, b, c] = dual_graph_.neighbors[f];
-            if (a < 0 || b < 0 || c < 0 || a == b || b == c || c == a) {
+            if (a == b || b == c || c == a) {
                 Triangle vertices = mesh_.faces[f];
                 std::sort(vertices.begin(), vertices.end());
                 candidates.emplace_back(vertices, f);

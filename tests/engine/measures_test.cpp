@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numeric>
 #include <set>
@@ -211,6 +212,7 @@ TEST(Measures, OpenBorderEdgesDoNotCountAsBoundaryEdges) {
     EXPECT_EQ(whole.disk_count, 1);
     const Measures split = measure_labels(mesh, {0, 1}, 2);
     EXPECT_EQ(split.boundary_edge_count, 1);
+    EXPECT_EQ(count_boundary_edges(build_dual_graph(mesh), {0, 1}), 1);
     EXPECT_DOUBLE_EQ(split.boundary_edge_ratio, 1.0 / 5.0);
     EXPECT_EQ(split.disk_count, 2);
 }
@@ -261,6 +263,17 @@ TEST(Measures, APinchOfTheInputIsNoBowtieButALostPieceIsMeasured) {
     EXPECT_EQ(m.disk_count, 1);
 }
 
+TEST(Measures, ADiskOfWhichTwoBorderVerticesAreOneIsStillADisk) {
+    TriangleMesh mesh = open_grid(3);
+    const int last = mesh.vertex_count() - 1;
+    for (Triangle& face : mesh.faces) {
+        std::replace(face.begin(), face.end(), last, 0);
+    }
+    const Measures m = measure_labels(mesh, std::vector<int>(mesh.face_count(), 0), 1);
+    EXPECT_EQ(m.bowtie_count, 0);
+    EXPECT_EQ(m.disk_count, 1);
+}
+
 TEST(Measures, NoFacesGiveZeros) {
     const Measures m = measure_labels({}, {}, 0);
     EXPECT_EQ(m.submesh_count, 0);
@@ -296,6 +309,8 @@ TEST(Measures, AgreeWithARecountOnRandomLabels) {
             const Recount expected(mesh, labels, k);
             SCOPED_TRACE(name + ", k = " + std::to_string(k));
             EXPECT_EQ(m.boundary_edge_count, expected.boundary_edges);
+            EXPECT_EQ(count_boundary_edges(build_dual_graph(mesh), labels),
+                      expected.boundary_edges);
             EXPECT_DOUBLE_EQ(m.boundary_edge_ratio,
                              static_cast<double>(expected.boundary_edges) / expected.edge_count);
             EXPECT_EQ(m.bowtie_count, expected.bowties);
@@ -346,9 +361,18 @@ TEST(Measures, AreTheSameWhereOneFanPerVertexIsKnown) {
             }
         }
     }
+}
+
+TEST(Measures, OneFanPerVertexIsKnownOfNoPinchedMesh) {
     const TriangleMesh pinched = two_tetrahedra_at_a_vertex();
-    EXPECT_EQ(inspect(pinched, build_dual_graph(pinched)).fans_per_vertex(),
-              VertexFanCount::unknown);
+    TriangleMesh with_fin = tetrahedron();
+    with_fin.positions.push_back({3, 3, 3});
+    with_fin.faces.push_back({0, 1, 4});
+    TriangleMesh degenerate = tetrahedron();
+    degenerate.faces.push_back({0, 1, 1});
+    for (const TriangleMesh& mesh : {pinched, with_fin, degenerate}) {
+        EXPECT_EQ(inspect(mesh, build_dual_graph(mesh)).fans_per_vertex(), VertexFanCount::unknown);
+    }
 }
 
 } // namespace

@@ -5,18 +5,42 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <iterator>
+
 namespace spheroseg {
 namespace {
 
 __extension__ using Wide = __int128;
+using Rows = std::array<std::array<std::int64_t, 3>, 3>;
 
-/// Sign of a determinant of integers below 2^40 in size, in 128 bits.
-int integer_orientation(const std::array<std::array<std::int64_t, 3>, 3>& m) {
+/// A random integer in [-2^(bits - 1), 2^(bits - 1)).
+std::int64_t integer(Random& random, int bits) {
+    return static_cast<std::int64_t>(random.next() >> (64 - bits)) -
+        (std::int64_t{1} << (bits - 1));
+}
+
+/// Sign of a determinant of integers whose products fit into 125 bits.
+int integer_orientation(const Rows& m) {
     const auto minor = [&](int i, int j) {
         return static_cast<Wide>(m[1][i]) * m[2][j] - static_cast<Wide>(m[1][j]) * m[2][i];
     };
     const Wide det = m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1);
     return det > 0 ? 1 : det < 0 ? -1 : 0;
+}
+
+/// Returns it too.
+int expect_integer_orientation(const Rows& m) {
+    const auto row = [&](int r) {
+        return Vec3{static_cast<double>(m[r][0]),
+                    static_cast<double>(m[r][1]),
+                    static_cast<double>(m[r][2])};
+    };
+    const int expected = integer_orientation(m);
+    EXPECT_EQ(orientation(row(0), row(1), row(2)), expected);
+    EXPECT_EQ(orientation(row(1), row(0), row(2)), -expected);
+    return expected;
 }
 
 TEST(Orientation, OfTheAxes) {
@@ -31,32 +55,38 @@ TEST(Orientation, OfTheAxes) {
 
 TEST(Orientation, AgreesWithIntegerArithmeticOnNearlyFlatTriples) {
     Random random(11);
-    const auto integer = [&](int bits) {
-        return static_cast<std::int64_t>(random.next() >> (64 - bits)) -
-            (std::int64_t{1} << (bits - 1));
-    };
     int zeros = 0;
     for (int i = 0; i < 20000; ++i) {
-        std::array<std::array<std::int64_t, 3>, 3> m{};
-        const std::int64_t s = integer(8);
-        const std::int64_t t = integer(8);
+        Rows m{};
+        const std::int64_t s = integer(random, 8);
+        const std::int64_t t = integer(random, 8);
         for (int c = 0; c < 3; ++c) {
-            m[0][c] = integer(28);
-            m[1][c] = integer(28);
+            m[0][c] = integer(random, 28);
+            m[1][c] = integer(random, 28);
             m[2][c] = s * m[0][c] + t * m[1][c];
         }
         m[2][i % 3] += static_cast<int>(random.below(3)) - 1;
-        const auto row = [&](int r) {
-            return Vec3{static_cast<double>(m[r][0]),
-                        static_cast<double>(m[r][1]),
-                        static_cast<double>(m[r][2])};
-        };
-        const int expected = integer_orientation(m);
-        zeros += expected == 0;
-        EXPECT_EQ(orientation(row(0), row(1), row(2)), expected);
-        EXPECT_EQ(orientation(row(1), row(0), row(2)), -expected);
+        zeros += expect_integer_orientation(m) == 0;
     }
     EXPECT_GT(zeros, 1000);
+}
+
+TEST(Orientation, AgreesWithIntegerArithmeticOnNearlyParallelTriples) {
+    // The determinant is about 2^-80 of its terms: rounded ones say nothing about its sign.
+    Random random(12);
+    int signs[3] = {};
+    for (int i = 0; i < 20000; ++i) {
+        Rows m{};
+        const std::int64_t s = integer(random, 8);
+        const std::int64_t t = integer(random, 8);
+        for (int c = 0; c < 3; ++c) {
+            m[0][c] = integer(random, 28);
+            m[1][c] = s * m[0][c] + integer(random, 2);
+            m[2][c] = t * m[1][c] + s * m[0][c] + integer(random, 2);
+        }
+        ++signs[expect_integer_orientation(m) + 1];
+    }
+    EXPECT_GT(*std::min_element(std::begin(signs), std::end(signs)), 1000);
 }
 
 TEST(Orientation, SeesTheLastBit) {

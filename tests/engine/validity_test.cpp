@@ -205,16 +205,21 @@ TEST(Validity, FansAreThoseOfAPlainSearch) {
     EXPECT_LT(pinched, 38);
 }
 
-TEST(Validity, DegenerateFacesAreNamedFirst) {
-    TriangleMesh mesh = tetrahedron();
-    mesh.faces.push_back({0, 1, 1});
-    const MeshReport r = report_of(mesh);
-    EXPECT_EQ(r.degenerate_face_count, 1);
-    EXPECT_EQ(r.first_degenerate_face, 4);
-    EXPECT_EQ(r.component_count, 1);
-    EXPECT_EQ(r.edge_count, 6);
-    expect_defect(
-        r, "1 face that names a vertex twice (first: face 4)", "\"Remove Zero Area Faces\"");
+TEST(Validity, DegenerateFacesAreNamedFirstAndCountAsNothingElse) {
+    for (const Triangle& face : {Triangle{0, 1, 1}, {1, 1, 0}, {1, 0, 1}, {1, 1, 1}}) {
+        TriangleMesh mesh = tetrahedron();
+        mesh.faces.push_back(face);
+        const MeshReport r = report_of(mesh);
+        EXPECT_EQ(r.degenerate_face_count, 1);
+        EXPECT_EQ(r.first_degenerate_face, 4);
+        EXPECT_EQ(r.component_count, 1);
+        EXPECT_EQ(r.edge_count, 6);
+        EXPECT_EQ(r.boundary_edge_count, 0);
+        EXPECT_EQ(r.non_manifold_edge_count, 0);
+        EXPECT_EQ(r.non_manifold_vertex_count, 0);
+        expect_defect(
+            r, "1 face that names a vertex twice (first: face 4)", "\"Remove Zero Area Faces\"");
+    }
 }
 
 TEST(Validity, DuplicateFacesAreFoundInEitherOrientation) {
@@ -233,7 +238,32 @@ TEST(Validity, DuplicateFacesAreFoundInEitherOrientation) {
         report_of({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});
     EXPECT_EQ(pillow.duplicate_face_count, 1);
     EXPECT_EQ(pillow.boundary_edge_count, 0);
-    EXPECT_FALSE(pillow.is_closed_genus_zero());
+    expect_defect(pillow, "1 face with the same vertices", "\"Remove Duplicate Faces\"");
+    EXPECT_EQ(surface_error(pillow), "");
+}
+
+TEST(Validity, DuplicatesAreThoseOfAComparisonOfAllPairs) {
+    int several = 0;
+    for (int seed = 0; seed < 200; ++seed) {
+        Random random(seed);
+        TriangleMesh mesh;
+        mesh.positions.resize(5);
+        for (int f = 0; f < 6; ++f) {
+            const auto corner = [&] { return static_cast<int>(random.below(5)); };
+            mesh.faces.push_back({corner(), corner(), corner()});
+        }
+        std::vector<Triangle> sorted = mesh.faces;
+        for (Triangle& face : sorted) {
+            std::sort(face.begin(), face.end());
+        }
+        int count = 0;
+        for (auto face = sorted.begin(); face != sorted.end(); ++face) {
+            count += std::find(sorted.begin(), face, *face) != face;
+        }
+        EXPECT_EQ(report_of(mesh).duplicate_face_count, count) << seed;
+        several += count > 1;
+    }
+    EXPECT_GT(several, 10);
 }
 
 TEST(Validity, NonFiniteCoordinatesAreNamed) {
