@@ -71,6 +71,11 @@ def test_dual_graph_counts_two_triangles_with_two_common_edges_once():
     assert graph.edges().tolist() == [[0, 1]]
 
 
+def test_dual_graph_refuses_faces_that_are_no_triangles():
+    with pytest.raises(InputError, match=r"shape \(F, 3\), but the shape is \(2, 4\)"):
+        build_dual_graph(np.array([[0, 1, 2, 3], [3, 2, 1, 0]]))
+
+
 def test_dual_graph_refuses_edge_with_three_triangles():
     with pytest.raises(ValueError, match="edge between vertices 0 and 1 has more than two"):
         build_dual_graph(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]]))
@@ -231,6 +236,60 @@ def test_region_growing_is_connected_and_bowtie_free(k, seed):
     labels = method("region_growing")(vertices, faces, k, seed)
     verdict = Judge(faces).judge(labels, k)
     assert (verdict.bowtie_count, verdict.disconnected_submesh_count) == (0, 0)
+
+
+def grown_step_by_step(vertices, faces, k, seed):
+    """Labels by region growing as it is described, and how often every region was blocked."""
+    neighbours = brute_force_neighbours(faces)
+    centroids = vertices[faces].mean(axis=1)
+    labels = np.full(len(faces), -1)
+    seeds = np.random.default_rng(seed).choice(len(faces), size=k, replace=False)
+    labels[seeds] = range(k)
+    sums = centroids[seeds]
+
+    def bowties_made(face, region):
+        rim = [other for other in range(len(faces)) if labels[other] == region]
+        return sum(
+            any(corner in faces[other] for other in rim)
+            and not any(corner in faces[other] for other in neighbours[face] & set(rim))
+            for corner in faces[face]
+        )
+
+    def grow(region, bowties_allowed):
+        distances = centroids - sums[region] / (labels == region).sum()
+        squares = (distances * distances).sum(axis=1)
+        for face in np.argsort(squares, kind="stable"):
+            beside = any(labels[other] == region for other in neighbours[face])
+            if labels[face] < 0 and beside and bowties_made(face, region) <= bowties_allowed:
+                labels[face] = region
+                sums[region] += centroids[face]
+                return True
+        return False
+
+    blocked = 0
+    while (labels < 0).any():
+        if not any([grow(region, 0) for region in range(k)]):
+            blocked += 1
+            assert any(grow(region, fewest) for fewest in (1, 2, 3) for region in range(k))
+    return labels, blocked
+
+
+def test_region_growing_takes_what_a_plain_search_takes():
+    # On a ring of triangles the last but one touches both ends of its region: a bowtie.
+    corners = np.arange(24)
+    angles = corners * np.pi / 12
+    radii = 1 + corners % 2
+    points = np.stack((radii * np.cos(angles), radii * np.sin(angles), 0 * angles), axis=1)
+    ring = points, (corners[:, None] + np.arange(3)) % 24
+    blocked = 0
+    for vertices, faces in [subdivided_sphere(1), bumpy_sphere(2, 0), octahedron(), ring]:
+        for k in (1, 2, 5, 8):
+            for seed in range(8):
+                expected, times = grown_step_by_step(vertices, faces, k, seed)
+                found = method("region_growing")(vertices, faces, k, seed)
+                assert found.tolist() == expected.tolist(), (len(faces), k, seed)
+                blocked += times
+    assert blocked > 0
 
 
 def test_region_growing_from_every_triangle_keeps_the_seeds():

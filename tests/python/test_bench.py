@@ -175,6 +175,62 @@ def test_bars_count_failed_and_swept_runs_as_results():
     assert (valid.value, valid.case_count, valid.verdict) == (50, 4, "not reached")
 
 
+def test_bars_and_aims_are_those_that_were_set():
+    assert [(bar.bar, bar.aim, bar.more_is_better) for bar in bars(Table([]))] == [
+        (0.95, 0.90, False),  # boundaries
+        (0.90, 0.87, False),
+        (1.00, 0.96, False),
+        (0.96, 0.93, False),
+        (0.97, 0.93, False),
+        (1.05, 0.97, False),
+        (2.0, 1.0, False),  # times
+        (3.0, 1.0, False),
+        (0.6, 0.3, False),
+        (0.5, 0.2, False),
+        (1.15, 1.05, False),
+        (100, 100, True),  # valid results
+        (1.5, 1.8, True),  # threads
+        (400, 200, False),  # memory
+    ]
+
+
+def of_size(face_count: int, method: str, seconds: float, **changes) -> dict:
+    size = {"mesh": f"of {face_count}", "triangle_count": face_count}
+    return row(method, 100, seconds, **size, **changes)
+
+
+def test_bars_of_times_take_meshes_up_to_their_limit():
+    rows = []
+    for ratio, face_count in enumerate([60_000, 60_001, 100_000, 100_001], start=1):
+        rows.append(of_size(face_count, "metis_kway", 1.0))
+        rows.append(of_size(face_count, "fast_standard", ratio))
+    found = bars(Table(rows))
+    small, large = (bar_of(found, "k = 200, `standard`, F", size) for size in ("60,000", "100,000"))
+    assert (small.case_count, small.value) == (1, pytest.approx(1.0))
+    assert (large.case_count, large.value) == (1, pytest.approx(4.0))
+
+
+@pytest.mark.parametrize(("most", "exponent"), [(49_999, math.nan), (50_000, 1.1)])
+def test_growth_is_that_over_a_decade_of_sizes(most, exponent):
+    rows = [
+        of_size(f, "fast_standard", 3e-6 * f**1.1, submesh_count=submesh_count("F/256", f))
+        for f in (4_000, 5_000, 20_000, most, 1_500_000)  # the first and last are out of range
+    ]
+    growth = bar_of(bars(Table(rows)), "exponent")
+    assert growth.case_count == 3
+    assert growth.value == pytest.approx(exponent, nan_ok=True)
+
+
+def test_memory_is_the_worst_of_large_meshes():
+    def peak(face_count: int, size: float, measurement: str = "memory") -> dict:
+        changes = {"measurement": measurement, "peak_bytes": size * face_count}
+        return of_size(face_count, "fast_standard", 1.0, **changes)
+
+    rows = [peak(100_000, 500), peak(200_000, 150), peak(300_000, 190), peak(200_000, 900, "first")]
+    memory = bar_of(bars(Table(rows)), "memory")
+    assert (memory.value, memory.case_count) == (190, 2)
+
+
 def test_a_rising_bar_is_reached_from_below():
     assert Bar("speed-up", 1.5, 1.8, 1.6, 1, more_is_better=True).verdict == "bar reached"
     assert Bar("speed-up", 1.5, 1.8, 1.4, 1, more_is_better=True).verdict == "not reached"

@@ -511,6 +511,31 @@ def test_types_of_ply_corners_that_pymeshlab_can_not_read_are_refused(outcome, f
     assert "property list uchar int vertex_indices" in result[1]
 
 
+@pytest.mark.parametrize("types", ["int uint", "ushort uint", "int short"])
+def test_types_of_ply_corners_that_pymeshlab_reads_in_texts_only_are_read(tmp_path, types):
+    path = tmp_path / "mesh.ply"
+    path.write_bytes(ply_bytes("ascii", PLY_FACES, types))
+    assert faces_read(path).tolist() == PLY_FACES
+
+
+@pytest.mark.parametrize(
+    ("declared", "values"),
+    [
+        ("list uchar float texcoord", [0.5, 0.25, 1, 0, 0, 1e-3]),
+        ("list int double other", [0.5] * 200),
+        ("list int int other", [7] * 700),  # of binary files none would have room for it
+    ],
+)
+def test_other_lists_of_text_ply_faces_are_passed_over(tmp_path, declared, values):
+    content = ply_bytes("ascii", PLY_FACES).decode()
+    content = content.replace("end_header", f"property {declared}\nend_header")
+    listed = " ".join(map(str, [len(values), *values]))
+    content = re.sub(r"^3 .*", lambda face: f"{face[0]} {listed}", content, flags=re.M)
+    path = tmp_path / "mesh.ply"
+    path.write_text(content)
+    assert faces_read(path).tolist() == PLY_FACES
+
+
 @pytest.mark.parametrize(
     ("declared", "length", "complaint"),
     [
