@@ -6,11 +6,41 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 namespace spheroseg {
 namespace {
 
 using namespace test;
+
+bool touches_another(const Patchwork& patchwork, int face) {
+    const int label = patchwork.label(face);
+    bool found = false;
+    for (int c = 0; c < 3; ++c) {
+        const int across = patchwork.label_across(face, c);
+        found = found || (across != kOpenBorder && across != label);
+    }
+    return found;
+}
+
+TEST(Boundary, HasTheFacesThatTouchOtherSubmeshesAtFirst) {
+    for (const TriangleMesh& mesh : {displaced_sphere(5), open_grid(100)}) {
+        const Levels levels(mesh);
+        const Patchwork patchwork = rough_patchwork(levels, 40, 3);
+        std::vector<int> expected;
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            if (touches_another(patchwork, f)) {
+                expected.push_back(f);
+            }
+        }
+        for (int threads : {1, 3}) {
+            EXPECT_EQ(BoundaryFaces(patchwork, threads).faces(), expected);
+            EXPECT_EQ(count_boundary_edges(patchwork, threads),
+                      measures_of(levels, patchwork).boundary_edge_count);
+        }
+    }
+}
 
 TEST(Boundary, EveryFaceThatComesToTheBoundaryIsListed) {
     const Levels levels(flipped_sphere(3, 100));
@@ -41,6 +71,119 @@ TEST(Boundary, EveryFaceThatComesToTheBoundaryIsListed) {
             }
         }
     }
+}
+
+/// Its groups are made of sub-meshes that touch one another, across other sub-meshes of the group.
+void expect_connected_groups(const Patchwork& patchwork, const Grouping& grouping) {
+    const std::vector<int>& group_of = grouping.group_of_label();
+    ASSERT_EQ(group_of.size(), patchwork.load.size());
+    std::set<std::pair<int, int>> touching;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            touching.emplace(patchwork.label(f), patchwork.label_across(f, c));
+        }
+    }
+    std::vector<char> reached(group_of.size(), 0);
+    std::set<int> groups;
+    for (std::size_t first = 0; first < group_of.size(); ++first) {
+        ASSERT_GE(group_of[first], 0);
+        ASSERT_LT(group_of[first], grouping.group_count());
+        if (reached[first]) {
+            continue;
+        }
+        EXPECT_TRUE(groups.insert(group_of[first]).second) << "two parts of one group";
+        std::vector<std::size_t> queue = {first};
+        reached[first] = 1;
+        for (std::size_t head = 0; head < queue.size(); ++head) {
+            for (std::size_t l = 0; l < group_of.size(); ++l) {
+                if (!reached[l] && group_of[l] == group_of[first] &&
+                    touching.count({static_cast<int>(queue[head]), static_cast<int>(l)})) {
+                    reached[l] = 1;
+                    queue.push_back(l);
+                }
+            }
+        }
+    }
+}
+
+TEST(Grouping, PartsSubmeshesAndBoundaryFaces) {
+    // Of two components, which a group can not be on.
+    TriangleMesh mesh = displaced_sphere(5);
+    append(mesh, displaced_sphere(3));
+    const Levels levels(mesh);
+    for (int submesh_count : {20, 150, 1000}) {
+        Patchwork patchwork = rough_patchwork(levels, submesh_count, 5);
+        for (int threads : {1, 3}) {
+            BoundaryFaces boundary(patchwork, threads);
+            // Faces that left the boundary since they were listed.
+            for (int f = 0; f < patchwork.face_count(); f += 7) {
+                if (!boundary.listed()[f]) {
+                    boundary.listed()[f] = 1;
+                    boundary.faces().push_back(f);
+                }
+            }
+            Grouping grouping;
+            for (std::uint64_t seed = 0; seed < 6; ++seed) {
+                grouping.regroup(patchwork, boundary, seed, threads);
+                const std::vector<int>& group_of = grouping.group_of_label();
+                EXPECT_EQ(grouping.group_count() == 1, submesh_count == 20);
+                if (grouping.group_count() > 1) {
+                    expect_connected_groups(patchwork, grouping);
+                }
+
+                std::vector<std::set<int>> expected(grouping.group_count());
+                for (int f = 0; f < patchwork.face_count(); ++f) {
+                    const int label = patchwork.label(f);
+                    for (int c = 0; c < 3; ++c) {
+                        const int across = patchwork.label_across(f, c);
+                        if (across != label && group_of[across] == group_of[label]) {
+                            expected[group_of[label]].insert(f);
+                        }
+                    }
+                    EXPECT_EQ(boundary.listed()[f] != 0, touches_another(patchwork, f)) << f;
+                }
+                std::vector<int> order = grouping.largest_first();
+                for (std::size_t i = 1; i < order.size(); ++i) {
+                    EXPECT_GE(grouping.faces(order[i - 1]).size(), grouping.faces(order[i]).size());
+                }
+                std::sort(order.begin(), order.end());
+                for (int g = 0; g < grouping.group_count(); ++g) {
+                    EXPECT_EQ(order[g], g);
+                    std::vector<int> found = grouping.faces(g);
+                    std::sort(found.begin(), found.end());
+                    EXPECT_EQ(found, std::vector<int>(expected[g].begin(), expected[g].end()));
+                }
+                std::vector<int> loads = patchwork.load;
+                for (int l = 0; l < submesh_count; ++l) {
+                    EXPECT_EQ(grouping.load(l), loads[l]);
+                    grouping.load(l) += l;
+                    loads[l] += l;
+                }
+                std::vector<int> collected(submesh_count);
+                grouping.collect(collected, boundary);
+                EXPECT_EQ(collected, loads);
+                std::vector<int> listed = boundary.faces();
+                std::sort(listed.begin(), listed.end());
+                EXPECT_EQ(listed, BoundaryFaces(patchwork, 1).faces());
+            }
+        }
+    }
+}
+
+TEST(Grouping, ItsFacesDoNotDependOnTheNumberOfThreads) {
+    const Levels levels(displaced_sphere(5));
+    const Patchwork patchwork = rough_patchwork(levels, 1000, 5);
+    std::vector<std::vector<int>> found[2];
+    for (int i : {0, 1}) {
+        const int threads = i == 0 ? 1 : 3;
+        BoundaryFaces boundary(patchwork, threads);
+        Grouping grouping;
+        grouping.regroup(patchwork, boundary, 4, threads);
+        for (int g = 0; g < grouping.group_count(); ++g) {
+            found[i].push_back(grouping.faces(g));
+        }
+    }
+    EXPECT_EQ(found[0], found[1]);
 }
 
 } // namespace
