@@ -79,6 +79,79 @@ TEST(VertexRing, MovesTheVertexOfARegularRingToItsCentre) {
     EXPECT_NEAR(length(v - on_sphere(0.0, 0.0)), 0.0, 1e-9);
 }
 
+/// From the definition of DistortionWeights.
+double
+distortion_at(const std::vector<Vec3>& corners, const Vec3& v, const DistortionWeights& weights) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < corners.size(); ++j) {
+        const Vec3& p = corners[j];
+        const Vec3& q = corners[(j + 1) % corners.size()];
+        const double area = 0.5 * dot(v, cross(p, q));
+        const double squares = dot(p - v, p - v) + dot(q - v, q - v) + dot(q - p, q - p);
+        const double shrinking = weights.target_area / area;
+        sum +=
+            squares / (4.0 * std::sqrt(3.0) * area) + weights.area_weight * shrinking * shrinking;
+    }
+    return sum;
+}
+
+/// Star-shaped, with the pole in its kernel.
+std::vector<Vec3> irregular_corners(int degree, double radius, Random& random) {
+    std::vector<Vec3> corners;
+    for (int j = 0; j < degree; ++j) {
+        const double angle = 2.0 * 3.14159265358979323846 * (j + 0.6 * random.uniform()) / degree;
+        const double r = radius * (0.4 + 0.6 * random.uniform());
+        corners.push_back(on_sphere(r * std::cos(angle), r * std::sin(angle)));
+    }
+    return corners;
+}
+
+TEST(VertexRing, ComesToTheLeastDistortion) {
+    Random random(5);
+    for (int i = 0; i < 300; ++i) {
+        const double radius = i % 2 ? 0.8 : 0.02;
+        const std::vector<Vec3> corners = irregular_corners(4 + i % 5, radius, random);
+        VertexRing ring = ring_of(corners);
+        const double area = radius * radius / static_cast<double>(corners.size());
+        const DistortionWeights weights = {area, i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1e-3 : 0.0};
+        const Vec3 start = on_sphere(0.1 * radius, -0.05 * radius);
+        if (!ring.encloses(start)) {
+            continue;
+        }
+        // Newton steps double the digits: a wrong derivative would take more of them.
+        Vec3 v = start;
+        ring.minimize(v, weights, 7);
+        const double least = distortion_at(corners, v, weights);
+        EXPECT_LE(least, distortion_at(corners, start, weights));
+        for (int direction = 0; direction < 8; ++direction) {
+            const double angle = 0.78539816339744831 * direction;
+            const Vec3 aside = {std::cos(angle), std::sin(angle), 0.0};
+            const Vec3 near = v + aside * (1e-4 * radius);
+            EXPECT_GT(distortion_at(corners, near * (1.0 / length(near)), weights), least) << i;
+        }
+    }
+}
+
+TEST(VertexRing, EachStepLowersTheDistortion) {
+    Random random(6);
+    for (int i = 0; i < 300; ++i) {
+        const std::vector<Vec3> corners = irregular_corners(3 + i % 6, 0.3, random);
+        VertexRing ring = ring_of(corners);
+        Vec3 v = on_sphere(0.2 * random.uniform() - 0.1, 0.2 * random.uniform() - 0.1);
+        if (!ring.encloses(v)) {
+            continue;
+        }
+        const DistortionWeights weights = {0.01, 1e-2};
+        double before = distortion_at(corners, v, weights);
+        for (int step = 0; step < 6; ++step) {
+            ring.minimize(v, weights, 1, step % 2 ? 1.0 : 1.7);
+            const double after = distortion_at(corners, v, weights);
+            EXPECT_LE(after, before * (1.0 + 1e-12)) << i;
+            before = after;
+        }
+    }
+}
+
 TEST(VertexRing, StaysInsideFromAnyStart) {
     Random random(3);
     for (const auto& corners :

@@ -87,11 +87,13 @@ TEST(Soundness, IsThatOfTheDefinition) {
                 faces[labels[f]].push_back(f);
             }
             const std::vector<std::uint8_t> sound = sound_submeshes(patchwork);
+            const int unsound_before = unsound_count;
             for (int l = 0; l < k; ++l) {
                 EXPECT_EQ(sound[l] != 0, is_sound_by_definition(levels, faces[l]))
                     << mesh.face_count() << " faces, seed " << seed << ", sub-mesh " << l;
                 (sound[l] != 0 ? sound_count : unsound_count) += 1;
             }
+            EXPECT_EQ(is_sound(patchwork), unsound_count == unsound_before);
         }
     }
     EXPECT_GT(sound_count, 500);
