@@ -343,6 +343,57 @@ def test_results_that_are_not_valid_are_counted_and_marked(tmp_path):
     assert "| ball | 12,800 | 200 | 0.047* | 0.095 |" in text
 
 
+def test_the_documents_tables_are_those_of_the_rows(tmp_path):
+    place = {"commit": "c", "machine": "m"}
+    stages = ("parametrization_seconds", "cohesion_seconds", "refinement_seconds", "total_seconds")
+
+    def timed(face_count: int, seconds: float, *parts: float, **changes) -> dict:
+        k = submesh_count("F/256", face_count)
+        counts = {"submesh_count": k, "found_submesh_count": k}
+        found = of_size(face_count, "fast_standard", seconds, **counts, **place)
+        return found | dict(zip(stages, parts, strict=False)) | changes
+
+    rows = [
+        timed(5_120, 0.8),
+        timed(12_800, 1.0, 0.1, 0.2, 0.3, 0.9),
+        timed(12_800, 2.0, 0.5, 0.9, 0.4, 1.9),  # the median of each number
+        timed(12_800, 4.0, 1.0, 1.2, 0.5, 3.0),
+        timed(12_800, 3.0, measurement="one_thread"),
+        timed(12_800, 0.5, measurement="again"),
+        timed(12_800, 0.0, measurement="memory", peak_bytes=150 * 12_800),
+        timed(51_200, 8.0),
+        *(timed(12_800, 2.0, method=f"metis_{mode}") for mode in ("kway", "recursive")),
+    ]
+    rows[-1]["boundary_edge_count"], rows[-2]["boundary_edge_count"] = 125, 200
+    sweep = [
+        timed(12_800, 1.0),
+        timed(12_800, 1.0, bowtie_count=2, max_triangle_count_difference=3),
+    ]
+    facts = environment.surroundings() | {"threads": "2"}
+    document.write(tmp_path, Table(rows), sweep, facts, Plan(), [])
+    text = (tmp_path / "benchmarks.md").read_text()
+    sections = {part.partition("\n")[0]: part for part in text.split("\n## ")}
+
+    quality, seconds = sections["Quality at k = F/256"], sections["Seconds at k = F/256"]
+    # The hexagonal bound is sqrt(6 * 12,800 * 50) / 2 = 979.8.
+    assert "| of 12800 | 12,800 | 50 | 0.102 | 0.204 | 0.128 | 0.800 |" in quality
+    assert "geometric mean 0.800" in quality
+    assert "| standard, 1 thread | standard, second call |" in seconds
+    assert "| of 12800 | 12,800 | 2 | 2 | 2 | 3 | 0.5 |" in seconds
+    assert "| of 51200 | 51,200 | 8 | – | – | – | – |" in seconds
+    measured = "| of 12800 | 12,800 | 2 | 156.25 | 25 % | 45 % | 20 % | 10 % | 1.500 | 150 |"
+    assert measured in sections["Stages, threads and memory, `standard`, k = F/256"]
+    # Each triangle takes as long as any other.
+    assert "| all | 3 | 5,120 to 51,200 | 1.000 |" in sections["Growth of time"]
+    assert "standard, sweep over k | 2 | 1 | 0 | 1 | 0 | 1 |" in sections["Validity"]
+    assert "The sweep covers 1 meshes of 12,800 to 12,800 triangles" in sections["Validity"]
+    lines = (tmp_path / "benchmarks.csv").read_text().splitlines()
+    assert lines[0].startswith("mesh,triangle_count,submesh_count,method,")
+    assert lines[0].endswith("seconds,measurement")
+    assert "of 12800,12800,50,fast_standard,0,100,0.102062,1,0,0,3,one_thread" in lines
+    assert "Quality at k = F/64" not in sections
+
+
 def test_meshes_that_are_subdivisions_are_named_so():
     samples = Path(program.REPOSITORY / "sample_meshes")
     found, _ = meshes.available(samples, samples / "none")
