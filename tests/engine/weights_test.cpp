@@ -90,6 +90,17 @@ TEST(FaceWeights, AreasByHandAndWithoutOverflow) {
     EXPECT_DOUBLE_EQ(areas[0] / areas[2], 4.0);
     EXPECT_DOUBLE_EQ(areas[1] / areas[2], 2.0);
     EXPECT_EQ(areas[3], 0.0);
+    TriangleMesh moved = mesh;
+    for (Vec3& p : moved.positions) {
+        p = p + Vec3{1, 2, -3};
+    }
+    for (Triangle& face : moved.faces) {
+        std::rotate(face.begin(), face.begin() + 1, face.end());
+    }
+    const std::vector<double> moved_areas = face_areas(moved);
+    EXPECT_DOUBLE_EQ(moved_areas[0] / moved_areas[2], 4.0);
+    EXPECT_DOUBLE_EQ(moved_areas[1] / moved_areas[2], 2.0);
+    EXPECT_EQ(moved_areas[3], 0.0);
     for (double scale : {4e307, 0x1p-1030, 0x1p-1073}) { // the last ones are not normal
         TriangleMesh scaled = mesh;
         for (Vec3& p : scaled.positions) {
@@ -131,7 +142,9 @@ TEST(FaceWeights, BadWeightsAreRefusedWithCountAndFirstFace) {
     EXPECT_NE(message({1, 1, 1, nan, 1, 1, 1, 1}).find("1 of 8 is not; the first is face 3"),
               std::string::npos);
     EXPECT_NE(message({1, 1, 1, 1, 1, 1, 1, infinite}).find("face 7 with inf"), std::string::npos);
+    EXPECT_NE(message({-1, 1, 1, 1, 1, 1, 1, 1}).find("face 0 with -1"), std::string::npos);
     EXPECT_NE(message({0, 0, 0, 0, 0, 0, 0, 0}).find("all 8 are 0"), std::string::npos);
+    EXPECT_EQ(message({0, 0, 0, 0, 0, 1, 0, 0}), "");
     EXPECT_NE(message({1, 2}).find("per face is expected (8), but there are 2"), std::string::npos);
 }
 
