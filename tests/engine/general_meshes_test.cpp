@@ -227,21 +227,27 @@ TEST(General, MeasuresAgreeWithTheRecountOfLabelsAtRandomAndInARow) {
     EXPECT_LT(disk_count, submesh_count);
 }
 
-TEST(General, TurningFacesDoesNotChangeWhatIsPossible) {
+TEST(General, FacesTurnedAtRandomAreTurnedAlikeWhereTheyCanBe) {
     const TriangleMesh torus = band(30, 20, Wrap::plain, true);
-    TriangleMesh turned = turned_at_random(torus, 1);
-    DualGraph graph = build_dual_graph(turned);
-    orient_alike(turned, graph);
-    const MeshReport report = inspect(turned, graph);
-    EXPECT_EQ(report.inconsistent_edge_count, 0);
-    EXPECT_EQ(report.genus, 1);
-    EXPECT_EQ(graph.neighbors, build_dual_graph(turned).neighbors);
-
-    TriangleMesh klein = band(32, 20, Wrap::flipped, true);
-    DualGraph klein_graph = build_dual_graph(klein);
-    orient_alike(klein, klein_graph);
-    EXPECT_GT(inspect(klein, klein_graph).inconsistent_edge_count, 0);
-    EXPECT_EQ(klein_graph.neighbors, build_dual_graph(klein).neighbors);
+    const TriangleMesh klein = band(32, 20, Wrap::flipped, true);
+    for (const TriangleMesh& mesh : {torus, klein, displaced_sphere(2), star({5, 6, 7})}) {
+        const MeshReport whole = inspect(mesh, build_dual_graph(mesh));
+        for (int seed = 0; seed < 5; ++seed) {
+            TriangleMesh turned = turned_at_random(mesh, seed);
+            append(turned, turned_at_random(octahedron(), seed));
+            const TriangleMesh before = turned;
+            DualGraph graph = build_dual_graph(turned);
+            orient_alike(turned, graph);
+            EXPECT_EQ(graph.neighbors, build_dual_graph(turned).neighbors);
+            const MeshReport report = inspect(turned, graph);
+            EXPECT_EQ(report.inconsistent_edge_count > 0, whole.inconsistent_edge_count > 0);
+            EXPECT_EQ(report.genus, whole.genus);
+            for (int f = 0; f < turned.face_count(); ++f) {
+                const Triangle& face = turned.faces[f];
+                EXPECT_TRUE(std::is_permutation(face.begin(), face.end(), before.faces[f].begin()));
+            }
+        }
+    }
 }
 
 TEST(General, MoreComponentsThanSubmeshesAreRefused) {
