@@ -218,10 +218,7 @@ TEST(Measures, OpenBorderEdgesDoNotCountAsBoundaryEdges) {
 }
 
 TEST(Measures, AnEdgeWithThreeFacesIsOneEdgeOfTheMesh) {
-    TriangleMesh mesh = tetrahedron();
-    const Triangle first = mesh.faces[0];
-    mesh.faces.push_back({first[0], first[1], mesh.vertex_count()});
-    mesh.positions.push_back({2, 2, 2});
+    const TriangleMesh mesh = tetrahedron_with_fin();
     // Face 0 touches three others; across one of its edges lie two faces, and none is its
     // neighbour.
     const Measures m = measure_labels(mesh, {0, 1, 1, 1, 1}, 2);
@@ -365,12 +362,9 @@ TEST(Measures, AreTheSameWhereOneFanPerVertexIsKnown) {
 
 TEST(Measures, OneFanPerVertexIsKnownOfNoPinchedMesh) {
     const TriangleMesh pinched = two_tetrahedra_at_a_vertex();
-    TriangleMesh with_fin = tetrahedron();
-    with_fin.positions.push_back({3, 3, 3});
-    with_fin.faces.push_back({0, 1, 4});
     TriangleMesh degenerate = tetrahedron();
     degenerate.faces.push_back({0, 1, 1});
-    for (const TriangleMesh& mesh : {pinched, with_fin, degenerate}) {
+    for (const TriangleMesh& mesh : {pinched, tetrahedron_with_fin(), degenerate}) {
         EXPECT_EQ(inspect(mesh, build_dual_graph(mesh)).fans_per_vertex(), VertexFanCount::unknown);
     }
 }

@@ -19,6 +19,14 @@ inline TriangleMesh tetrahedron() {
             {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
 }
 
+/// A tetrahedron with a third face at the edge between its vertices 0 and 1.
+inline TriangleMesh tetrahedron_with_fin() {
+    TriangleMesh mesh = tetrahedron();
+    mesh.faces.push_back({0, 1, mesh.vertex_count()});
+    mesh.positions.push_back({3, 3, 3});
+    return mesh;
+}
+
 /// 6 vertices, 8 faces.
 inline TriangleMesh octahedron() {
     return {

@@ -98,10 +98,7 @@ TEST(Validity, ComponentsAreCountedAndTheirGeneraAdded) {
 }
 
 TEST(Validity, AFinOnATetrahedronIsANonManifoldEdge) {
-    TriangleMesh mesh = tetrahedron();
-    mesh.positions.push_back({3, 3, 3});
-    mesh.faces.push_back({0, 1, 4});
-    const MeshReport r = report_of(mesh);
+    const MeshReport r = report_of(tetrahedron_with_fin());
     EXPECT_EQ(r.non_manifold_edge_count, 1);
     EXPECT_EQ(r.first_non_manifold_face, 0);
     EXPECT_EQ(r.boundary_edge_count, 2);
