@@ -6,6 +6,7 @@ import math
 import os
 import shutil
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +26,7 @@ from spheroseg.bench import __main__ as program
 from spheroseg.bench import document, meshes, methods, records
 from spheroseg.bench.meshes import subdivided
 from spheroseg.bench.methods import MeshRuns
-from spheroseg.bench.plan import Plan, Run, sweep_counts
+from spheroseg.bench.plan import SLOW_RIVALS, Plan, Run, sweep_counts
 from spheroseg.bench.runner import row_of
 from spheroseg.bench.statistics import (
     Bar,
@@ -266,6 +267,45 @@ def test_plan_spares_high_on_large_meshes():
     assert counts(10_001) == [200]
     assert counts(40_000) == [200]
     assert counts(40_001) == []
+
+
+@pytest.mark.parametrize(
+    ("face_count", "expected"),
+    [
+        (2, {}),
+        (
+            50_000,
+            {
+                ("fast_draft", "first"): 12,  # four values of k, three times
+                ("fast_standard", "first"): 12,
+                ("fast_standard", "one_thread"): 6,  # k = 200 and F/256
+                ("fast_standard", "again"): 3,
+                ("fast_standard", "memory"): 1,
+                ("metis_kway", "first"): 12,
+                ("metis_recursive", "first"): 12,
+                **{(name, "first"): 4 for name in ("fast_high", *SLOW_RIVALS)},
+            },
+        ),
+        (
+            300_000,
+            {
+                ("fast_draft", "first"): 4,
+                ("fast_standard", "first"): 12,
+                ("fast_standard", "one_thread"): 2,
+                ("fast_standard", "again"): 1,
+                ("fast_standard", "memory"): 1,
+                ("metis_kway", "first"): 12,
+                ("metis_recursive", "first"): 12,
+                ("fast_high", "first"): 1,
+            },
+        ),
+    ],
+)
+def test_plan_runs_each_method_so_often(face_count, expected):
+    runs = Plan().runs(face_count)
+    assert Counter((run.method, run.measurement) for run in runs) == expected
+    assert {run.before for run in runs if run.measurement == "again"} <= {20}
+    assert {run.seed for run in runs if run.measurement != "memory"} <= {1, 2, 3}
 
 
 @pytest.fixture
