@@ -42,6 +42,25 @@ def user_folder(tmp_path, precision="fp", release="2025.07"):
     )
 
 
+def test_finds_the_named_plugin_then_that_of_the_package_then_that_of_the_checkout(
+    tmp_path, monkeypatch
+):
+    package = tmp_path / "source" / "python" / "spheroseg"
+    monkeypatch.setattr(install, "__file__", str(package / "install.py"))
+    monkeypatch.delenv(install.DESKTOP_PLUGIN_VARIABLE, raising=False)
+    with pytest.raises(PluginError, match="is not built: expected it at .*desktop.*build/gui"):
+        install.desktop_plugin_path()
+    for folder in ("source/build/gui", "source/python/spheroseg/desktop"):
+        path = make_plugin(tmp_path / folder)
+        assert install.desktop_plugin_path() == path
+    monkeypatch.setenv(install.DESKTOP_PLUGIN_VARIABLE, str(tmp_path / "none.so"))
+    with pytest.raises(PluginError, match="SPHEROSEG_DESKTOP_PLUGIN names .*none.so"):
+        install.desktop_plugin_path()
+    named = make_plugin(tmp_path / "named")
+    monkeypatch.setenv(install.DESKTOP_PLUGIN_VARIABLE, str(named))
+    assert install.desktop_plugin_path() == named
+
+
 def test_copies_the_plugin_into_the_users_folder_of_the_meshlab_on_the_path(tmp_path):
     plugin = make_plugin(tmp_path / "build")
     make_meshlab(tmp_path / "bin", "MeshLab 2025.07")
@@ -144,15 +163,6 @@ def test_without_a_meshlab_the_message_says_what_to_give(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path / "bin"))
     with pytest.raises(InputError, match="--meshlab PROGRAM"):
         install.install_plugin(plugin=make_plugin(tmp_path / "build"))
-
-
-def test_the_named_desktop_plugin_is_used(tmp_path, monkeypatch):
-    plugin = make_plugin(tmp_path / "build")
-    monkeypatch.setenv(install.DESKTOP_PLUGIN_VARIABLE, str(plugin))
-    assert install.desktop_plugin_path() == plugin
-    monkeypatch.setenv(install.DESKTOP_PLUGIN_VARIABLE, str(tmp_path / "gone"))
-    with pytest.raises(PluginError, match="gone"):
-        install.desktop_plugin_path()
 
 
 def test_the_command_says_what_it_did_and_ends_with_2_on_a_mismatch(tmp_path, capsys):

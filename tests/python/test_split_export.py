@@ -416,11 +416,13 @@ def test_split_writes_the_source_indices(labelled, tmp_path):
 
 def test_split_of_an_empty_submesh_says_null(tmp_path):
     vertices, faces = octahedron()
-    submeshes = split_into_submeshes(vertices, faces, [0] * 4 + [2] * 4)
+    submeshes = split_into_submeshes(vertices, faces, [0] * 4 + [2] * 3 + [3])
     path = write_split(submeshes, vertices, tmp_path, "octahedron")
-    files = [entry["file"] for entry in json.loads(path.read_text())["submeshes"]]
-    assert files == ["submesh_0000.ply", None, "submesh_0002.ply"]
-    assert sorted(p.name for p in tmp_path.glob("*.ply")) == files[::2]
+    entries = json.loads(path.read_text())["submeshes"]
+    files = [entry["file"] for entry in entries]
+    assert files == ["submesh_0000.ply", None, "submesh_0002.ply", "submesh_0003.ply"]
+    assert [entry["triangle_count"] for entry in entries] == [4, 0, 3, 1]
+    assert sorted(p.name for p in tmp_path.glob("*.ply")) == list(filter(None, files))
 
 
 @pytest.mark.parametrize("error", [OSError, KeyboardInterrupt])
