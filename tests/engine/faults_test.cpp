@@ -83,9 +83,9 @@ Patchwork porous_patchwork(const Levels& levels, std::uint64_t seed) {
 }
 
 TEST(Faults, AreFreedButForSubmeshesThatAreSound) {
-    for (int seed = 0; seed < 4; ++seed) {
-        for (const auto& [name, mesh] : genus_zero_meshes()) {
-            const Levels levels(mesh);
+    for (const auto& [name, mesh] : genus_zero_meshes()) {
+        const Levels levels(mesh);
+        for (int seed = 0; seed < 4; ++seed) {
             Patchwork patchwork =
                 seed % 2 ? porous_patchwork(levels, seed) : random_patchwork(levels, 2, seed);
             // A sub-mesh of one face is sound.

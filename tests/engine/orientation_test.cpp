@@ -30,7 +30,7 @@ int integer_orientation(const Rows& m) {
     return det > 0 ? 1 : det < 0 ? -1 : 0;
 }
 
-/// Returns it too.
+/// Expects that of `orientation`, either way round; returns it.
 int expect_integer_orientation(const Rows& m) {
     const auto row = [&](int r) {
         return Vec3{static_cast<double>(m[r][0]),

@@ -108,6 +108,7 @@ std::vector<Vec3> irregular_corners(int degree, double radius, Random& random) {
 
 TEST(VertexRing, ComesToTheLeastDistortion) {
     Random random(5);
+    int starts = 0;
     for (int i = 0; i < 300; ++i) {
         const double radius = i % 2 ? 0.8 : 0.02;
         const std::vector<Vec3> corners = irregular_corners(4 + i % 5, radius, random);
@@ -118,6 +119,7 @@ TEST(VertexRing, ComesToTheLeastDistortion) {
         if (!ring.encloses(start)) {
             continue;
         }
+        ++starts;
         // Newton steps double the digits: a wrong derivative would take more of them.
         Vec3 v = start;
         ring.minimize(v, weights, 7);
@@ -130,10 +132,12 @@ TEST(VertexRing, ComesToTheLeastDistortion) {
             EXPECT_GT(distortion_at(corners, near * (1.0 / length(near)), weights), least) << i;
         }
     }
+    EXPECT_GT(starts, 200);
 }
 
 TEST(VertexRing, EachStepLowersTheDistortion) {
     Random random(6);
+    int starts = 0;
     for (int i = 0; i < 300; ++i) {
         const std::vector<Vec3> corners = irregular_corners(3 + i % 6, 0.3, random);
         VertexRing ring = ring_of(corners);
@@ -141,6 +145,7 @@ TEST(VertexRing, EachStepLowersTheDistortion) {
         if (!ring.encloses(v)) {
             continue;
         }
+        ++starts;
         const DistortionWeights weights = {0.01, 1e-2};
         double before = distortion_at(corners, v, weights);
         for (int step = 0; step < 6; ++step) {
@@ -150,6 +155,7 @@ TEST(VertexRing, EachStepLowersTheDistortion) {
             before = after;
         }
     }
+    EXPECT_GT(starts, 100);
 }
 
 TEST(VertexRing, StaysInsideFromAnyStart) {

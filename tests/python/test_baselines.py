@@ -248,10 +248,10 @@ def grown_step_by_step(vertices, faces, k, seed):
     sums = centroids[seeds]
 
     def bowties_made(face, region):
-        rim = [other for other in range(len(faces)) if labels[other] == region]
+        members = set(np.flatnonzero(labels == region).tolist())
         return sum(
-            any(corner in faces[other] for other in rim)
-            and not any(corner in faces[other] for other in neighbours[face] & set(rim))
+            any(corner in faces[other] for other in members)
+            and not any(corner in faces[other] for other in neighbours[face] & members)
             for corner in faces[face]
         )
 
