@@ -98,7 +98,8 @@ void part_submesh(Patchwork& patchwork,
                   const std::vector<int>& faces,
                   const std::vector<int>& labels,
                   std::vector<int>& place,
-                  std::uint64_t seed) {
+                  std::uint64_t seed,
+                  const Progress& progress) {
     Patchwork part;
     for (std::size_t i = 0; i < faces.size(); ++i) {
         place[faces[i]] = static_cast<int>(i);
@@ -111,7 +112,7 @@ void part_submesh(Patchwork& patchwork,
         }
         part.cells.push_back(cell);
     }
-    bisect(part, static_cast<int>(labels.size()), seed, 1);
+    bisect(part, static_cast<int>(labels.size()), seed, 1, progress);
     for (std::size_t i = 0; i < faces.size(); ++i) {
         patchwork.set_own_label(faces[i], labels[part.label(static_cast<int>(i))]);
         place[faces[i]] = -1;
@@ -119,7 +120,7 @@ void part_submesh(Patchwork& patchwork,
 }
 
 /// Dissolves sub-meshes that are too light and parts those that are too heavy.
-void share_anew(Patchwork& patchwork, std::uint64_t seed) {
+void share_anew(Patchwork& patchwork, std::uint64_t seed, const Progress& progress) {
     const int submesh_count = patchwork.submesh_count();
     const std::vector<int> shares = new_shares(patchwork);
     std::vector<std::vector<int>> to_part(submesh_count);
@@ -146,7 +147,7 @@ void share_anew(Patchwork& patchwork, std::uint64_t seed) {
             }
             labels.push_back(next_free++);
         }
-        part_submesh(patchwork, to_part[l], labels, place, seed);
+        part_submesh(patchwork, to_part[l], labels, place, seed, progress);
     }
     spread_labels(patchwork);
 }
@@ -205,11 +206,11 @@ void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& prog
     };
     spread_labels(patchwork);
     if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
-        share_anew(patchwork, seed + kMaxRounds);
+        share_anew(patchwork, seed + kMaxRounds, progress);
     }
     repair_next();
     for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
-        share_anew(patchwork, seed + static_cast<std::uint64_t>(round));
+        share_anew(patchwork, seed + static_cast<std::uint64_t>(round), progress);
         repair_next();
     }
 }

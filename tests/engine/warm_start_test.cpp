@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
+#include <string_view>
 
 namespace spheroseg {
 namespace {
@@ -327,6 +328,16 @@ TEST(WarmStart, TheTimeLimitAndCancelHold) {
                      Cancelled);
     }
     EXPECT_EQ(segment(prepared, options).labels, labels);
+}
+
+TEST(WarmStart, CancelIsHeardWhileASubmeshIsParted) {
+    const Levels levels(displaced_sphere(4));
+    // All faces are in one sub-mesh of 40.
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
+    const Progress until_bisection = [](double, const char* step) {
+        return std::string_view(step) != "Bisection";
+    };
+    EXPECT_THROW(adopt_labels(patchwork, 1, until_bisection), Cancelled);
 }
 
 TEST(WarmStart, GoesTogetherWithWeights) {
