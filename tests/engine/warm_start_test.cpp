@@ -330,6 +330,23 @@ TEST(WarmStart, TheTimeLimitAndCancelHold) {
     EXPECT_EQ(segment(prepared, options).labels, labels);
 }
 
+TEST(WarmStart, ASubmeshThatIsThreeTimesTooHeavyIsPartedEvenlyInItsPlace) {
+    const Levels levels(open_grid(16));
+    const int face_count = levels.mesh.face_count();
+    Patchwork patchwork = levels.multilevel.coarsen(face_count, 4);
+    // The last quarter of the rows is sub-mesh 2, all others are 1; 0 and 3 are empty.
+    std::vector<int> labels(face_count, 1);
+    std::fill(labels.begin() + face_count / 4 * 3, labels.end(), 2);
+    levels.multilevel.set_labels(patchwork, labels);
+    adopt_labels(patchwork, 1);
+    const std::vector<int> adopted = levels.multilevel.labels(patchwork);
+    for (int f = 0; f < face_count; ++f) {
+        EXPECT_EQ(adopted[f] == 2, labels[f] == 2);
+    }
+    EXPECT_EQ(patchwork.load, std::vector<int>(4, face_count / 4));
+    EXPECT_TRUE(is_sound(measures_of(levels, patchwork)));
+}
+
 TEST(WarmStart, CancelIsHeardWhileASubmeshIsParted) {
     const Levels levels(displaced_sphere(4));
     // All faces are in one sub-mesh of 40.
