@@ -58,6 +58,30 @@ TEST(Bisection, CutInTwoOfFewerCellsThanPartsLeavesEmptySubmeshes) {
     EXPECT_EQ(patchwork.load, (std::vector<int>{3, 1, 0, 0}));
 }
 
+TEST(Bisection, EverySubmeshGetsItsShareForAnyNumberOfThreads) {
+    for (const TriangleMesh& mesh : {icosphere(5), open_grid(20), moebius_strip(60, 5)}) {
+        const Levels levels(mesh);
+        const int face_count = mesh.face_count();
+        for (int k : {1, 2, 3, 7, 20, 333, face_count - 1, face_count}) {
+            std::vector<int> labels;
+            for (int threads : {1, 2, 3}) {
+                Patchwork patchwork = levels.multilevel.coarsen(face_count, 1);
+                bisect(patchwork, k, 1, threads);
+                ASSERT_EQ(patchwork.submesh_count(), k);
+                for (int load : patchwork.load) {
+                    ASSERT_NEAR(load, static_cast<double>(face_count) / k, 1.0);
+                }
+                const std::vector<int> load = patchwork.load;
+                sum_loads(patchwork);
+                EXPECT_EQ(load, patchwork.load);
+                EXPECT_EQ(*std::min_element(load.begin(), load.end()), face_count / k);
+                EXPECT_TRUE(labels.empty() || labels == cell_labels(patchwork));
+                labels = cell_labels(patchwork);
+            }
+        }
+    }
+}
+
 TEST(Bisection, ReportsProgressAndChangesNothingWhereItIsCancelled) {
     const Levels levels(icosphere(5));
     for (int threads : {1, 2}) {
