@@ -199,8 +199,7 @@ def _loaded_filters() -> list[str]:
 
 def _bound_filter(name: str):
     def filter_method(self, **parameters):
-        # As PyMeshLab's own methods: a dictionary when the filter returns something, else None.
-        return apply_filter(self, name, parameters) or None
+        return apply_filter(self, name, parameters)
 
     filter_method.__name__ = name
     filter_method.__qualname__ = f"MeshSet.{name}"
