@@ -750,6 +750,19 @@ def test_a_file_that_crashes_meshlabs_reader_is_refused(tmp_path, capfd):
     assert line.count("\n") == 1
 
 
+def test_a_copy_that_can_not_be_used_is_refused_by_the_name_of_the_file(tmp_path, monkeypatch):
+    path = tmp_path / "mesh.gltf"
+    path.write_bytes(gltf_bytes(1, 1))
+    monkeypatch.setattr(
+        mesh_files, "_copy_elsewhere", lambda _, copy: copy.write_bytes(b"ply\nno header\n")
+    )
+    with pytest.raises(InputError) as refused:
+        mesh_files.read_mesh(path)
+    message = str(refused.value)
+    assert message.startswith(f"{path}: MeshLab's reader makes a mesh of it that can not be used (")
+    assert message.count(".ply") == 0
+
+
 def test_what_meshlab_says_is_cut_to_a_readable_length(outcome):
     content = gltf_bytes(1, 1).replace(b";base64,", b";base64," + 1000 * b"!")
     result = outcome("gltf", content)

@@ -82,18 +82,10 @@ print(json.dumps({"done": done, "messages": messages}))
 """
 
 
-@pytest.mark.parametrize(
-    ("name", "options"),
-    [
-        (SEGMENT_FILTER, {"submesh_count": 50, "effort": "draft", "thread_count": 1}),
-        (PARAMETRIZE_FILTER, {"new_layer": True}),
-    ],
-    ids=["segmentation", "parametrization"],
-)
-def test_refused_memory_is_an_error_that_says_what_to_do_and_changes_nothing(name, options):
+def run_script(script, argument):
     folders = [str(REPOSITORY / folder) for folder in ("python", "tests/python")]
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, json.dumps([name, options])],
+    return subprocess.run(
+        [sys.executable, "-c", script, argument],
         capture_output=True,
         text=True,
         env={
@@ -103,9 +95,51 @@ def test_refused_memory_is_an_error_that_says_what_to_do_and_changes_nothing(nam
             "MALLOC_MMAP_THRESHOLD_": "65536",
         },
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        (SEGMENT_FILTER, {"submesh_count": 50, "effort": "draft", "thread_count": 1}),
+        (PARAMETRIZE_FILTER, {"new_layer": True}),
+    ],
+    ids=["segmentation", "parametrization"],
+)
+def test_refused_memory_is_an_error_that_says_what_to_do_and_changes_nothing(name, options):
+    done = run_script(SCRIPT, json.dumps([name, options]))
     assert done.returncode == 0, done.stderr
     outcome = json.loads(done.stdout)
     assert outcome["done"] >= 1
     assert outcome["messages"]
     assert all("There is not enough memory" in message for message in outcome["messages"])
     assert all("simplify the mesh" in message for message in outcome["messages"])
+
+
+READING_SCRIPT = """
+import resource, sys
+import pymeshlab
+from shapes import subdivided_sphere
+from spheroseg import mesh_files
+from spheroseg.errors import InputError
+
+meshes = pymeshlab.MeshSet()
+meshes.add_mesh(pymeshlab.Mesh(*subdivided_sphere(6)))
+meshes.save_current_mesh(sys.argv[1])
+hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 2**16, hard))
+try:
+    mesh_files.read_mesh(sys.argv[1])
+except InputError as error:
+    print(error)
+resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
+read = mesh_files.read_mesh(sys.argv[1])
+assert read.current_mesh().face_number() == 32768
+"""
+
+
+def test_too_little_memory_to_read_a_mesh_is_an_error_that_says_what_to_do(tmp_path):
+    mesh = tmp_path / "sphere.stl"
+    done = run_script(READING_SCRIPT, str(mesh))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"{mesh}: there is not enough memory to read it; close other")
