@@ -101,6 +101,17 @@ def test_a_file_that_is_no_plugin_is_refused(tmp_path, content):
     assert f"PluginError: {path} is not a SpheroSeg plugin" in run.stderr
 
 
+def test_a_plugin_that_was_copied_in_part_is_refused_with_the_reason(tmp_path):
+    path = tmp_path / PLUGIN_FILE
+    path.write_bytes(spheroseg.plugin_path().read_bytes()[:-1000])
+    run = run_python("-c", "import spheroseg", SPHEROSEG_PLUGIN=str(path))
+    assert run.returncode == 1
+    message = run.stderr.strip().splitlines()[-1]
+    assert f"can not load the plugin {path}: " in message
+    assert "invalid ELF object" in message
+    assert message.endswith("Build it again for this release (`make plugin`).")
+
+
 def test_the_command_line_says_it_in_one_line_and_still_shows_its_help(other_release, tmp_path):
     environment = {"SPHEROSEG_PLUGIN": str(other_release)}
     cube = REPOSITORY / "sample_meshes" / "cube.obj"
