@@ -212,7 +212,7 @@ private:
     Patchwork first_labels() {
         if (is_warm()) {
             Patchwork patchwork = finest_with(task_.initial_labels);
-            adopt_labels(patchwork, seed_, sub_progress(start_progress_, 0.0, 0.0));
+            adopt_labels(patchwork, seed_, start_progress_);
             return patchwork;
         }
         Patchwork patchwork = start_ == 1 && starts_on_sphere() ? sphere_start() : graph_start();

@@ -199,18 +199,20 @@ std::vector<Overlap> overlaps_of(const std::vector<int>& labels, const std::vect
 } // namespace
 
 void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress) {
+    // How much there is to part and to repair shows only on the way.
+    const Progress still = sub_progress(progress, 0.0, 0.0);
     const auto repair_next = [&] {
-        report_progress(progress, 0.0, "Initial labels");
+        report_progress(still, 0.0, "Initial labels");
         repair_unsound(patchwork);
-        report_progress(progress, 0.0, "Initial labels");
+        report_progress(still, 0.0, "Initial labels");
     };
     spread_labels(patchwork);
     if (*std::min_element(patchwork.load.begin(), patchwork.load.end()) == 0) {
-        share_anew(patchwork, seed + kMaxRounds, progress);
+        share_anew(patchwork, seed + kMaxRounds, still);
     }
     repair_next();
     for (int round = 0; round < kMaxRounds && !is_even(patchwork); ++round) {
-        share_anew(patchwork, seed + static_cast<std::uint64_t>(round), progress);
+        share_anew(patchwork, seed + static_cast<std::uint64_t>(round), still);
         repair_next();
     }
 }

@@ -17,7 +17,7 @@ namespace spheroseg {
 /// that are too light are dissolved, and those that are too heavy are divided by bisection: the
 /// first part keeps the label, the others get labels that became free. Loads are brought up to
 /// date; `may_be_unsound` is set as by `repair`. Deterministic; `seed` shifts the bisections.
-/// Throws Cancelled when the progress callback asks for it.
+/// Reports progress with the value 0. Throws Cancelled when the callback asks for it.
 void adopt_labels(Patchwork& patchwork, std::uint64_t seed, const Progress& progress = {});
 
 /// Renumbers `labels` by a permutation of [0, submesh_count) so that many faces get the label that

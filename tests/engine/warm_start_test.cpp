@@ -348,13 +348,29 @@ TEST(WarmStart, ASubmeshThatIsThreeTimesTooHeavyIsPartedEvenlyInItsPlace) {
 }
 
 TEST(WarmStart, CancelIsHeardWhileASubmeshIsParted) {
-    const Levels levels(displaced_sphere(4));
+    const Levels levels(displaced_sphere(5));
     // All faces are in one sub-mesh of 40.
-    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
-    const Progress until_bisection = [](double, const char* step) {
-        return std::string_view(step) != "Bisection";
+    const Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
+    int cuts = 0;
+    const auto count_cuts = [&](double value, const char* step) {
+        EXPECT_EQ(value, 0.0) << step;
+        cuts += std::string_view(step) == "Bisection";
+        return true;
     };
-    EXPECT_THROW(adopt_labels(patchwork, 1, until_bisection), Cancelled);
+    Patchwork whole = patchwork;
+    adopt_labels(whole, 1, count_cuts);
+    ASSERT_GE(cuts, 2);
+    for (int stop = 1; stop <= cuts; ++stop) {
+        int left = stop;
+        Patchwork cut_short = patchwork;
+        EXPECT_THROW(adopt_labels(cut_short,
+                                  1,
+                                  [&](double, const char* step) {
+                                      left -= std::string_view(step) == "Bisection";
+                                      return left > 0;
+                                  }),
+                     Cancelled);
+    }
 }
 
 TEST(WarmStart, GoesTogetherWithWeights) {
