@@ -40,8 +40,8 @@ def anatomy(faces: np.ndarray, graph: DualGraph, labels: np.ndarray, k: int) -> 
     there = np.where(neighbours >= 0, labels[neighbours], here)
     cut = here != there
     ends = np.stack((faces, np.roll(faces, -1, axis=1)), axis=2)
-    # Each cut edge is seen from both triangles: keep the view of the smaller one.
-    first = cut & (np.arange(len(faces))[:, None] < neighbours)
+    # Each inner edge is seen from both triangles: keep the view of the smaller one.
+    once = np.arange(len(faces))[:, None] < neighbours
     # Each fan of the mesh counts as a vertex of its own. There a sub-mesh's t triangles with j
     # inner joints form t - j fans, or one when they close up (t = j).
     corners = graph.fan_of_corner(faces)
@@ -50,14 +50,14 @@ def anatomy(faces: np.ndarray, graph: DualGraph, labels: np.ndarray, k: int) -> 
     )
     index = index.reshape(-1, 3)
     triangles = np.bincount(index.ravel(), minlength=len(pairs))
-    once = (neighbours >= 0) & ~cut & (np.arange(len(faces))[:, None] < neighbours)
-    joints = np.bincount(index[once], minlength=len(pairs))
-    joints += np.bincount(np.roll(index, -1, axis=1)[once], minlength=len(pairs))
+    joined = once & ~cut
+    joints = np.bincount(index[joined], minlength=len(pairs))
+    joints += np.bincount(np.roll(index, -1, axis=1)[joined], minlength=len(pairs))
     fans = np.maximum(triangles - joints, 1)
     owner, corner = np.divmod(pairs, corners.size)
     vertices_of_submesh = np.unique(labels[:, None].astype(np.int64) * vertex_count + faces)
     return Anatomy(
-        boundary_edges=ends[first],
+        boundary_edges=ends[once & cut],
         bowtie_vertices=np.repeat(faces.ravel()[corner], fans - 1),
         triangle_counts=np.bincount(labels, minlength=k),
         vertex_counts=np.bincount(vertices_of_submesh // vertex_count, minlength=k),
