@@ -155,6 +155,23 @@ TEST(Relaxation, EvensLoadsAndShortensTheBoundary) {
     EXPECT_LT(relaxed.max_submesh_triangles, 2 * levels.mesh.face_count() / 40);
 }
 
+TEST(Relaxation, RecordsTheBoundaryBeforeEachIteration) {
+    const Levels levels(displaced_sphere(4));
+    Patchwork start = levels.multilevel.coarsen(levels.mesh.face_count(), 40);
+    bisect(start, 40, 0, 1);
+    std::vector<double> expected;
+    for (int iterations = 0; iterations < 5; ++iterations) {
+        Patchwork patchwork = start;
+        relax(patchwork, iterations, 1, {});
+        expected.push_back(measures_of(levels, patchwork).boundary_edge_count);
+    }
+    History history;
+    AnnealControl control;
+    control.history = &history;
+    relax(start, 5, 2, control);
+    EXPECT_EQ(history.boundary_edges, expected);
+}
+
 TEST(Relaxation, DoesNotDependOnThreadsAndKeepsPiecesConnected) {
     // Large enough for several threads.
     const Levels levels(displaced_sphere(6));
