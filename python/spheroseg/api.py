@@ -177,8 +177,8 @@ def check_label_count(labels: np.ndarray, parameters: dict[str, Any]) -> None:
     for name, count in wanted.items():
         if count not in (None, label_count):
             raise InputError(
-                f"{name}={parameters[name]} asks for {count} sub-meshes, but the initial labels "
-                f"have {label_count} different ones, which is k; leave {name} out"
+                f"{name}={parameters[name]} asks for {counted(count, 'sub-mesh', 'es')}, but k is "
+                f"the number of different initial labels, {label_count}; leave {name} out"
             )
 
 

@@ -389,12 +389,13 @@ def test_an_unknown_option_is_answered_with_those_that_arrays_take(cube):
 @pytest.mark.parametrize(
     ("wish", "message"),
     [
-        ({"submesh_count": 4}, "submesh_count=4 asks for 4 sub-meshes, but the initial labels"),
+        ({"submesh_count": 1}, "submesh_count=1 asks for 1 sub-mesh, but"),
+        ({"submesh_count": 4}, "submesh_count=4 asks for 4 sub-meshes, but"),
         ({"triangles_per_submesh": 5}, "triangles_per_submesh=5 asks for 3 sub-meshes, but"),
     ],
 )
 def test_another_k_than_that_of_initial_labels_is_refused(cube, wish, message):
-    with pytest.raises(spheroseg.InputError, match=f"{message}.* have 2 different ones"):
+    with pytest.raises(spheroseg.InputError, match=f"{message} k is .* initial labels, 2;"):
         spheroseg.segment(*cube, initial_labels=[0, 5] * 6, **wish)
 
 
