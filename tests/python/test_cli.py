@@ -733,6 +733,7 @@ BAD_CALLS = {
     "hole, sphere": (["parametrize", "hole.obj", "-o", "s.ply"], "3 open border edges"),
     "output name": (["segment", CUBE, "-o", "o.txt"], "must end in .ply"),
     "output pipe": (["segment", CUBE, "-o", "pipe.ply"], "pipe.ply: is no ordinary file"),
+    "output is a folder": (["segment", CUBE, "-o", "folder.ply"], "folder.ply: is a folder"),
     "output folder": (["segment", CUBE, "-o", "no/o.ply"], "there is no folder"),
     "label name": (["segment", CUBE, "--labels", "l.csv"], ".npy or .txt"),
     "no output": (["parametrize", CUBE], "required: -o"),
@@ -754,6 +755,7 @@ def test_a_bad_call_gives_one_clear_line_and_exit_code_2(run, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     for name, text in BAD_FILES.items():
         (tmp_path / name).write_text(text)
+    (tmp_path / "folder.ply").mkdir()
     os.mkfifo(tmp_path / "pipe.ply")  # no device, which a broken check would replace
     arguments, message = BAD_CALLS[case]
     code, shown, errors = run(*arguments)
