@@ -169,6 +169,24 @@ def test_mesh_labels_and_json_agree_and_keep_the_files_order(run, tmp_path):
     assert str(report["boundary_edge_count"]) in shown
 
 
+def test_the_table_shows_every_measure_that_is_one_value(run, tmp_path):
+    code, shown, errors = run("segment", CUBE, "-k", "5", "--json", tmp_path / "m.json")
+    assert (code, errors) == (0, "")
+    rows = dict(re.findall(r"^│ (\w+) +│ +(\S+) │$", shown, re.MULTILINE))
+    measures = json.loads((tmp_path / "m.json").read_text())
+    single = {key for key, value in measures.items() if not isinstance(value, list | str)}
+    assert rows.keys() == single
+    known = {
+        "submesh_count": "5",
+        "min_submesh_triangles": "2",
+        "may_be_balanced": "yes",
+        "used_cuda": "no",
+        "coefficient_of_variation": "0.204124",  # of 2, 2, 2, 3 and 3
+        "weight_imbalance": "1.25",
+    }
+    assert known.items() <= rows.items()
+
+
 def test_measure_counts_the_same_from_the_mesh_and_from_either_file_of_labels(run, tmp_path):
     out, text = tmp_path / "o.ply", tmp_path / "l.txt"
     assert run("segment", LEAF, "-k", "9", *FEW, "-o", out, "--labels", text, "-q")[0] == 0
