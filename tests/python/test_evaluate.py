@@ -248,7 +248,10 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
     assert_links_lead_somewhere(text)
     for link in ('src="http', 'href="http', 'src="/', "@import", "url(http"):
         assert link not in text
-    assert text.count('<tr class="') == 2 * 2 * len(RUN_METHODS)
+    rows = re.findall('<tr class="(.*?)" data-mesh="(.*?)" data-method=".*?" data-k="(.*?)"', text)
+    assert len(rows) == 2 * 2 * len(RUN_METHODS)
+    cases = [row[1:] for row in rows]
+    assert [row[1:] for row in rows if "first" in row[0].split()] == list(dict.fromkeys(cases))
     assert text.count('src="data:image/png;base64,') == 2 * 2 * len(RUN_METHODS)
     environment = json.loads((evaluation / "out" / "results.json").read_text())["environment"]
     assert {"command", "seed", "commit", "pymetis", "processor"} <= set(environment)
