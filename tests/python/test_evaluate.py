@@ -5,6 +5,7 @@ import base64
 import csv
 import functools
 import gzip
+import html
 import json
 import math
 import os
@@ -259,6 +260,28 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
     threads = f"{len(os.sched_getaffinity(0))} for our methods, 1 for the others"
     assert environment["threads"] == threads
     assert f"Threads: {threads}." in text
+
+
+def test_the_pictures_of_each_case_stand_below_its_name_with_their_numbers(evaluation):
+    expected = {}
+    for row in results(evaluation / "out"):
+        assert row["bowtie_count"] == 0
+        caption = f"{METHODS[row['method']].title}: {row['boundary_edge_count']} boundary edges"
+        case = f"{row['mesh']}, k = {row['submesh_count']}"
+        expected.setdefault(case, []).append(caption)
+    text = html.unescape((evaluation / "out" / "report.html").read_text())
+    galleries = re.findall('<h3>(.*?)</h3><div class="gallery">(.*?)</div>', text, re.DOTALL)
+    assert [
+        (case, re.findall("<figcaption>(.*?)</figcaption>", shown)) for case, shown in galleries
+    ] == list(expected.items())
+
+
+@pytest.mark.parametrize(
+    ("bowties", "said"), [(0, ""), (1, ", 1 bowtie (red)"), (2, ", 2 bowties (red)")]
+)
+def test_a_caption_counts_the_bowties(bowties, said):
+    row = {"method": "metis_kway", "boundary_edge_count": 1234, "bowtie_count": bowties}
+    assert report._caption(row) == f"{METHODS['metis_kway'].title}: 1,234 boundary edges{said}"
 
 
 def test_page_has_iterations_of_one_effort_per_mesh_and_the_folder_all(tmp_path):
