@@ -176,7 +176,3 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 def _report(program: str, message: str) -> int:
     complain(f"{program}: {one_line(message)}")
     return EXIT_BAD_INPUT
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,6 +3,7 @@
 
 import base64
 import contextlib
+import errno
 import json
 import os
 import pty
@@ -23,6 +24,7 @@ from terminal import read_terminal
 
 import spheroseg
 from spheroseg import cli, mesh_files
+from spheroseg.commands import measure
 from spheroseg.file_checks import checked_counts
 from spheroseg.render import write_png
 
@@ -940,6 +942,22 @@ def test_a_working_folder_that_is_gone_is_said(tmp_path):
     done = run_shell(line, "segment", CUBE, "-k", 2, "-q", "-o", "x.ply")
     expected = "spheroseg segment: the working folder: No such file or directory\n"
     assert (done.returncode, done.stderr) == (2, expected)
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (MemoryError(), "there is not enough memory; close other programs, or simplify the mesh"),
+        (OSError(errno.EIO, "Input/output error"), "Input/output error"),
+        (OSError(errno.ENOENT, "No such file", "x.ply"), "x.ply: No such file"),
+    ],
+)
+def test_what_the_system_refuses_is_one_line_and_exit_code_2(run, monkeypatch, error, said):
+    def failing(_):
+        raise error
+
+    monkeypatch.setattr(measure, "run", failing)
+    assert run("measure", CUBE) == (2, "", f"spheroseg measure: {said}\n")
 
 
 def test_values_are_never_cut(run, monkeypatch, tmp_path):
