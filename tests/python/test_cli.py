@@ -182,7 +182,7 @@ def test_the_table_shows_every_measure_that_is_one_value(run, tmp_path):
         "submesh_count": "5",
         "min_submesh_triangles": "2",
         "may_be_balanced": "yes",
-        "used_cuda": "no",
+        "time_limit_hit": "no",
         "coefficient_of_variation": "0.204124",  # of 2, 2, 2, 3 and 3
         "weight_imbalance": "1.25",
     }
