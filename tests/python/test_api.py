@@ -395,7 +395,9 @@ def test_an_unknown_option_is_answered_with_those_that_arrays_take(cube):
     ],
 )
 def test_another_k_than_that_of_initial_labels_is_refused(cube, wish, message):
-    with pytest.raises(spheroseg.InputError, match=f"{message} k is .* initial labels, 2;"):
+    with pytest.raises(
+        spheroseg.InputError, match=f"{message} k is the number of different initial labels, 2;"
+    ):
         spheroseg.segment(*cube, initial_labels=[0, 5] * 6, **wish)
 
 

@@ -110,7 +110,10 @@ def test_the_command_line_refuses_another_k_than_that_of_initial_labels(leaf, tm
     arguments = ["segment", str(LEAF), "-q", "--initial-labels", str(tmp_path / "start.txt")]
     assert cli.main([*arguments, "-k", "50"]) == 2
     said = capsys.readouterr().err
-    assert "submesh_count=50 asks for 50 sub-meshes, but k is the number of" in said
+    assert (
+        "submesh_count=50 asks for 50 sub-meshes, but k is the number of different initial "
+        "labels, 8; leave submesh_count out"
+    ) in said
     assert said.count("\n") == 1
     assert cli.main([*arguments, "-k", "8"]) == 0
 
