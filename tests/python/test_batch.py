@@ -211,6 +211,7 @@ def test_what_is_wrong_for_every_mesh_is_said_once_and_costs_no_result(tmp_path,
         (["--time-limit", "-1"], "time_limit_seconds must be 0 or more"),
         (["--threads", "-1"], "thread_count must be 0 or more"),
         (["-k", "0"], "submesh_count must be 1 or more"),
+        (["--workers", "0"], "--workers must be 1 or more, got 0"),
     ):
         assert main([*arguments, *wrong, "--resume"]) == 2
         said = capsys.readouterr().err

@@ -238,6 +238,25 @@ def test_segments_the_meshes_that_ship_with_pymeshlab(run, tmp_path, path):
     )
 
 
+def test_the_options_of_a_segmentation_reach_it(run, tmp_path):
+    vertices, faces = load_arrays(LEAF)
+    path = tmp_path / "l.npy"
+    others = []
+    for options, same in (
+        ([], {}),
+        (["--seed", "3"], {"seed": 3}),
+        (["--effort", "draft"], {"effort": "draft"}),
+        (["--balance", "weight"], {"balance": "weight"}),
+        (FEW, {"max_cohesion_iterations": 2, "max_refinement_iterations": 1}),
+    ):
+        code = run("segment", LEAF, "-k", 20, "--labels", path, "--threads", 1, *options)[0]
+        assert code == 0
+        labels = np.load(path)
+        assert np.array_equal(labels, spheroseg.segment(vertices, faces, 20, **same).labels)
+        assert not any(np.array_equal(labels, other) for other in others)
+        others.append(labels)
+
+
 @pytest.fixture
 def cube_with_lost_vertices(tmp_path):
     """A cube behind two vertices without faces that PyMeshLab leaves out."""
@@ -726,7 +745,7 @@ BAD_CALLS = {
     "unknown option": (["segment", CUBE, "--fast"], "--fast"),
     "method": (["segment", CUBE, "--method", "best"], "invalid choice: 'best'"),
     "time limit": (["segment", CUBE, "--time-limit", "nan"], "must be finite, got nan"),
-    "threads": (["segment", CUBE, "--threads", "-2"], "-2"),
+    "threads": (["segment", CUBE, "--threads", "-2"], "thread_count must be 0 or more, found -2"),
     "empty mesh": (["segment", ""], "mesh is empty"),
     "empty output": (["segment", CUBE, "--labels", ""], "labels is empty"),
     "empty weights": (["segment", CUBE, "--weights", ""], "weights is empty"),
