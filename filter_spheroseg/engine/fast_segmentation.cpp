@@ -34,6 +34,8 @@ constexpr int kMaxStarts = 6;
 constexpr double kBisectionShare = 0.15;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
+/// In initial labels near to balance: what sub-meshes have above the mean load, over all of it.
+constexpr double kSmallExcess = 0.02;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
 
@@ -67,7 +69,7 @@ public:
             }
             begin_start(start);
             Patchwork patchwork = start == 0 && trials() > 1 ? best_layout() : annealed_labels();
-            make_exact(patchwork);
+            make_exact(patchwork, cost_.levels_end(), 1.0);
             const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
             any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
             if (!wants_more(patchwork, start)) {
@@ -213,6 +215,7 @@ private:
         if (is_warm()) {
             Patchwork patchwork = finest_with(task_.initial_labels);
             adopt_labels(patchwork, seed_, start_progress_);
+            keep_unannealed(patchwork);
             return patchwork;
         }
         Patchwork patchwork = start_ == 1 && starts_on_sphere() ? sphere_start() : graph_start();
@@ -220,6 +223,23 @@ private:
         patchwork.may_close_rings = start_ == 0 || any_valid_;
         repair(patchwork);
         return patchwork;
+    }
+
+    /// Annealing melts what is good about initial labels, and moves many of them. So those near to
+    /// balance are balanced and exchanged without it, too: a result to beat.
+    void keep_unannealed(const Patchwork& adopted) {
+        const double mean = mean_load(adopted);
+        double excess = 0.0;
+        for (int load : adopted.load) {
+            excess += std::max(0.0, load - mean);
+        }
+        if (excess > kSmallExcess * mean * adopted.submesh_count()) {
+            return;
+        }
+        Patchwork patchwork = adopted;
+        make_exact(patchwork, 0.0, cost_.start_end());
+        any_valid_ = best_->keep_if_better(patchwork, is_sound(patchwork), history_);
+        history_ = {};
     }
 
     /// The last resort, where moves got stuck on narrow branches.
@@ -352,20 +372,21 @@ private:
         result_.seconds.refinement += watch.elapsed_seconds();
     }
 
-    void make_exact(Patchwork& patchwork) {
+    /// `begin` and `end` are the part of the start's progress that this makes.
+    void make_exact(Patchwork& patchwork, double begin, double end) {
         const StopWatch watch;
         was_cut_short_ = limit().expired();
         if (by_weight()) {
-            lower_heaviest_load(patchwork);
-        } else if (balance(patchwork) && !has_rounds()) {
-            anneal_balanced(patchwork, exchanges(patchwork), control(cost_.levels_end(), 1.0));
+            lower_heaviest_load(patchwork, control(begin, end));
+        } else if (balance(patchwork, sub_progress(start_progress_, begin, begin)) &&
+                   !has_rounds()) {
+            anneal_balanced(patchwork, exchanges(patchwork), control(begin, end));
         }
         result_.seconds.refinement += watch.elapsed_seconds();
     }
 
-    void lower_heaviest_load(Patchwork& patchwork) {
+    void lower_heaviest_load(Patchwork& patchwork, AnnealControl lowering) {
         const Deadline first = time_.of_lowering(start_watch_.elapsed_seconds());
-        AnnealControl lowering = control(cost_.levels_end(), 1.0);
         lowering.deadline = time_.is_hurried() ? &first : &limit();
         balance_by_weight(patchwork, exchanges(patchwork), lowering, &first);
     }
@@ -391,9 +412,7 @@ private:
 
     /// What was cut short, and initial labels, are not worth a long search: another start is
     /// better.
-    bool balance(Patchwork& patchwork) {
-        const Progress progress =
-            sub_progress(start_progress_, cost_.levels_end(), cost_.levels_end());
+    bool balance(Patchwork& patchwork, const Progress& progress) {
         BalanceSearch search(
             patchwork, plan_.schedules(), seed_, start_, time_.of_search(), progress);
         if (limit().expired()) {
