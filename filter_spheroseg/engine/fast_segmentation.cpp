@@ -213,10 +213,7 @@ private:
     /// later ones, which are rarely needed, on the finest level, where no room is lost.
     Patchwork first_labels() {
         if (is_warm()) {
-            Patchwork patchwork = finest_with(task_.initial_labels);
-            adopt_labels(patchwork, seed_, start_progress_);
-            keep_unannealed(patchwork);
-            return patchwork;
+            return adopted_labels();
         }
         Patchwork patchwork = start_ == 1 && starts_on_sphere() ? sphere_start() : graph_start();
         // Where rings could not be balanced, sub-meshes without any may be, if there can be such.
@@ -225,21 +222,25 @@ private:
         return patchwork;
     }
 
-    /// Annealing melts what is good about initial labels, and moves many of them. So those near to
-    /// balance are balanced and exchanged without it, too: a result to beat.
-    void keep_unannealed(const Patchwork& adopted) {
+    /// The initial labels, repaired. Annealing melts what is good about them, and moves many; so
+    /// those near to balance are balanced and exchanged without it first: a result to beat.
+    Patchwork adopted_labels() {
+        Patchwork adopted = finest_with(task_.initial_labels);
+        adopt_labels(adopted, seed_, start_progress_);
         const double mean = mean_load(adopted);
         double excess = 0.0;
         for (int load : adopted.load) {
             excess += std::max(0.0, load - mean);
         }
-        if (excess > kSmallExcess * mean * adopted.submesh_count()) {
-            return;
+        const bool is_near = excess <= kSmallExcess * mean * submesh_count_;
+        cost_.start = is_near ? cost_.exchanges : 0.0;
+        if (is_near) {
+            Patchwork patchwork = adopted;
+            make_exact(patchwork, 0.0, cost_.start_end());
+            any_valid_ = best_->keep_if_better(patchwork, is_sound(patchwork), history_);
+            history_ = {};
         }
-        Patchwork patchwork = adopted;
-        make_exact(patchwork, 0.0, cost_.start_end());
-        any_valid_ = best_->keep_if_better(patchwork, is_sound(patchwork), history_);
-        history_ = {};
+        return adopted;
     }
 
     /// The last resort, where moves got stuck on narrow branches.

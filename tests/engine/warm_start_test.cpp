@@ -413,6 +413,33 @@ TEST(WarmStart, CancelIsHeardWhileASubmeshIsParted) {
     }
 }
 
+TEST(WarmStart, ProgressRisesInSmallSteps) {
+    const TriangleMesh mesh = displaced_sphere(4);
+    PreparedMesh first(mesh, 1);
+    for (int k : {10, 60}) {
+        SegmentOptions options;
+        options.submesh_count = k;
+        options.effort = Effort::draft;
+        const std::vector<int> good = segment(first, options).labels;
+        for (const std::vector<int>& labels : {good, blobs(first.dual_graph(), k, 2)}) {
+            for (Balance balance : {Balance::triangle_count, Balance::weight}) {
+                PreparedMesh prepared(mesh, 1);
+                options = warm_options(labels, Effort::standard);
+                options.balance = balance;
+                options.thread_count = 1;
+                double last = 0.0;
+                segment(prepared, options, [&](double fraction, const char*) {
+                    EXPECT_GE(fraction, last);
+                    EXPECT_LE(fraction, last + 0.15) << k;
+                    last = fraction;
+                    return true;
+                });
+                EXPECT_EQ(last, 1.0);
+            }
+        }
+    }
+}
+
 TEST(WarmStart, GoesTogetherWithWeights) {
     const TriangleMesh mesh = displaced_sphere(4);
     PreparedMesh prepared(mesh, 2);
