@@ -69,7 +69,7 @@ public:
             }
             begin_start(start);
             Patchwork patchwork = start == 0 && trials() > 1 ? best_layout() : annealed_labels();
-            make_exact(patchwork, cost_.levels_end(), 1.0);
+            make_exact(patchwork);
             const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
             any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
             if (!wants_more(patchwork, start)) {
@@ -236,7 +236,7 @@ private:
         cost_.start = is_near ? cost_.exchanges : 0.0;
         if (is_near) {
             Patchwork patchwork = adopted;
-            make_exact(patchwork, 0.0, cost_.start_end());
+            make_exact(patchwork, false);
             any_valid_ = best_->keep_if_better(patchwork, is_sound(patchwork), history_);
             history_ = {};
         }
@@ -373,23 +373,24 @@ private:
         result_.seconds.refinement += watch.elapsed_seconds();
     }
 
-    /// `begin` and `end` are the part of the start's progress that this makes.
-    void make_exact(Patchwork& patchwork, double begin, double end) {
+    /// Balances the labels and exchanges faces: initial ones, which are mended only, or, when
+    /// `are_annealed`, those of a start.
+    void make_exact(Patchwork& patchwork, bool are_annealed = true) {
         const StopWatch watch;
         was_cut_short_ = limit().expired();
+        const double begin = are_annealed ? cost_.levels_end() : 0.0;
+        AnnealControl exact = control(begin, are_annealed ? 1.0 : cost_.start_end());
         if (by_weight()) {
-            lower_heaviest_load(patchwork, control(begin, end));
+            const Deadline first = time_.of_lowering(start_watch_.elapsed_seconds());
+            if (time_.is_hurried()) {
+                exact.deadline = &first;
+            }
+            balance_by_weight(patchwork, exchanges(patchwork, are_annealed), exact, &first);
         } else if (balance(patchwork, sub_progress(start_progress_, begin, begin)) &&
                    !has_rounds()) {
-            anneal_balanced(patchwork, exchanges(patchwork), control(begin, end));
+            anneal_balanced(patchwork, exchanges(patchwork, are_annealed), exact);
         }
         result_.seconds.refinement += watch.elapsed_seconds();
-    }
-
-    void lower_heaviest_load(Patchwork& patchwork, AnnealControl lowering) {
-        const Deadline first = time_.of_lowering(start_watch_.elapsed_seconds());
-        lowering.deadline = time_.is_hurried() ? &first : &limit();
-        balance_by_weight(patchwork, exchanges(patchwork), lowering, &first);
     }
 
     /// Shortens the boundaries of the best result further.
@@ -431,8 +432,10 @@ private:
         return balanced;
     }
 
-    AnnealSchedule exchanges(const Patchwork& patchwork) const {
-        return plan_.schedules().exchanges(patchwork, seed_ + seed_offset::kExchanges);
+    AnnealSchedule exchanges(const Patchwork& patchwork, bool are_annealed = true) const {
+        const std::uint64_t seed = seed_ + seed_offset::kExchanges;
+        return are_annealed ? plan_.schedules().exchanges(patchwork, seed)
+                            : plan_.schedules().mending(patchwork, seed);
     }
 
     AnnealControl control(double begin, double end) {

@@ -95,6 +95,12 @@ AnnealSchedule Schedules::exchanges(const Patchwork& patchwork, std::uint64_t se
     return schedule;
 }
 
+AnnealSchedule Schedules::mending(const Patchwork& patchwork, std::uint64_t seed) const {
+    AnnealSchedule schedule = exchanges(patchwork, seed);
+    schedule.temperature_begin = 0.15;
+    return schedule;
+}
+
 AnnealSchedule Schedules::rounds(std::uint64_t seed) const {
     AnnealSchedule schedule = schedule_with(seed);
     schedule.temperature_begin = 0.25;

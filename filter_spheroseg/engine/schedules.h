@@ -32,7 +32,10 @@ struct Schedules {
     AnnealSchedule next(const AnnealSchedule& schedule, const Patchwork& patchwork) const;
     /// Exchanges at exact balance, or below a limit of loads.
     AnnealSchedule exchanges(const Patchwork& patchwork, std::uint64_t seed) const;
-    /// The same in rounds.
+    /// The same, so cool that boundaries stay where they are, for good ones that balancing has
+    /// hurt.
+    AnnealSchedule mending(const Patchwork& patchwork, std::uint64_t seed) const;
+    /// Exchanges in rounds.
     AnnealSchedule rounds(std::uint64_t seed) const;
     /// For anneal_branches, where the annealing of single faces and fans is stuck out of balance.
     AnnealSchedule branches(const Patchwork& patchwork, std::uint64_t seed) const;

@@ -482,6 +482,14 @@ def test_more_submeshes_than_triangles_are_left_out(tmp_path):
     assert "k = 16: Region growing (only 8 triangles)" in text
 
 
+def test_k_is_200_by_default_and_the_page_is_named_at_the_end(tmp_path, capsys):
+    write_inputs(tmp_path / "in")
+    arguments = ["evaluate", str(tmp_path / "in" / "first.ply"), "-o", str(tmp_path / "out")]
+    assert main([*arguments, "--methods", "fast_draft"]) == 0
+    assert {row["submesh_count"] for row in results(tmp_path / "out")} == {200}
+    assert capsys.readouterr().out == f"{tmp_path / 'out' / 'report.html'}\n"
+
+
 def test_one_triangle_is_one_triangle(tmp_path):
     (tmp_path / "in").mkdir()
     (tmp_path / "in" / "one.ply").write_bytes(ply_bytes(np.eye(3), np.array([[0, 1, 2]])))
