@@ -2,6 +2,7 @@
 #include "segment.h"
 
 #include "patchwork_meshes.h"
+#include "small_steps.h"
 #include "thinning.h"
 
 #include <gtest/gtest.h>
@@ -64,14 +65,7 @@ TEST(Fast, ProgressRisesInSmallSteps) {
             PreparedMesh prepared(mesh, 1);
             SegmentOptions options = fast_options(k, effort);
             options.thread_count = 1;
-            double last = 0.0;
-            segment(prepared, options, [&](double fraction, const char*) {
-                EXPECT_GE(fraction, last);
-                EXPECT_LE(fraction, last + 0.15) << k;
-                last = fraction;
-                return true;
-            });
-            EXPECT_EQ(last, 1.0);
+            expect_small_steps(prepared, options);
         }
     }
 }

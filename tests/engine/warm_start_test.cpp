@@ -5,6 +5,7 @@
 #include "soundness.h"
 
 #include "patchwork_meshes.h"
+#include "small_steps.h"
 #include "thinning.h"
 
 #include <gtest/gtest.h>
@@ -275,15 +276,7 @@ TEST(WarmStart, NumbersAreKeptByOtherStartsAndByTheSearchToo) {
             for (int& label : labels) {
                 label = k - 1 - label;
             }
-            Random random(seed);
-            for (int i = 0; i < 6; ++i) {
-                const auto face = static_cast<int>(random.below(face_count));
-                for (int neighbor : prepared.dual_graph().neighbors[face]) {
-                    if (neighbor >= 0) {
-                        labels[face] = labels[neighbor];
-                    }
-                }
-            }
+            change_sides(labels, prepared.dual_graph(), 6, seed);
             options.initial_labels = compacted(labels);
             const Segmentation result = segment(prepared, options);
             std::vector<int> renamed = result.labels;
@@ -427,14 +420,7 @@ TEST(WarmStart, ProgressRisesInSmallSteps) {
                 options = warm_options(labels, Effort::standard);
                 options.balance = balance;
                 options.thread_count = 1;
-                double last = 0.0;
-                segment(prepared, options, [&](double fraction, const char*) {
-                    EXPECT_GE(fraction, last);
-                    EXPECT_LE(fraction, last + 0.15) << k;
-                    last = fraction;
-                    return true;
-                });
-                EXPECT_EQ(last, 1.0);
+                expect_small_steps(prepared, options);
             }
         }
     }
