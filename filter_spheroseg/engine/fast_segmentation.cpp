@@ -386,7 +386,7 @@ private:
                 exact.deadline = &first;
             }
             balance_by_weight(patchwork, exchanges(patchwork, are_annealed), exact, &first);
-        } else if (balance(patchwork, sub_progress(start_progress_, begin, begin)) &&
+        } else if (balance(patchwork, are_annealed, sub_progress(start_progress_, begin, begin)) &&
                    !has_rounds()) {
             anneal_balanced(patchwork, exchanges(patchwork, are_annealed), exact);
         }
@@ -413,14 +413,16 @@ private:
     }
 
     /// What was cut short, and initial labels, are not worth a long search: another start is
-    /// better.
-    bool balance(Patchwork& patchwork, const Progress& progress) {
+    /// better. Without annealing branches are not, either.
+    bool balance(Patchwork& patchwork, bool are_annealed, const Progress& progress) {
         BalanceSearch search(
             patchwork, plan_.schedules(), seed_, start_, time_.of_search(), progress);
         if (limit().expired()) {
             return search.pass_faces();
         }
-        search.pass_branches(limit());
+        if (are_annealed) {
+            search.pass_branches(limit());
+        }
         if (is_warm()) {
             return search.balance_initial_labels();
         }
