@@ -776,6 +776,8 @@ BAD_CALLS = {
     "output folder": (["segment", CUBE, "-o", "no/o.ply"], "there is no folder"),
     "label name": (["segment", CUBE, "--labels", "l.csv"], ".npy or .txt"),
     "no output": (["parametrize", CUBE], "required: -o"),
+    "no folder for results": (["batch", CUBE], "required: -o"),
+    "no folder for a report": (["evaluate", CUBE], "required: -o"),
     "no labels": (["measure", CUBE], "has no labels"),
     "label file": (["measure", CUBE, "--labels", "none.npy"], "no such file"),
     "label count": (["measure", CUBE, "--labels", "short.txt"], "12, got 2"),
