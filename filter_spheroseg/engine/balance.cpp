@@ -161,13 +161,4 @@ bool is_hopeless(const Patchwork& patchwork) {
     return off > kFewOff && kOneOff * off > patchwork.submesh_count();
 }
 
-bool is_near_balance(const Patchwork& patchwork) {
-    const int ceiling = even_loads(patchwork).ceiling;
-    std::int64_t excess = 0;
-    for (int load : patchwork.load) {
-        excess += std::max(0, load - ceiling);
-    }
-    return 10 * excess <= patchwork.face_count();
-}
-
 } // namespace spheroseg

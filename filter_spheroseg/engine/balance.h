@@ -30,8 +30,4 @@ bool balance_exactly(Patchwork& patchwork,
 /// more tries from here are very unlikely to balance them?
 bool is_hopeless(const Patchwork& patchwork);
 
-/// With unit weights: is the sum of what sub-meshes have above the balanced load at most a tenth of
-/// all faces?
-bool is_near_balance(const Patchwork& patchwork);
-
 } // namespace spheroseg

@@ -14,6 +14,8 @@ namespace spheroseg {
 
 namespace {
 
+/// The greatest excess_share from which passing faces alone may balance.
+constexpr double kNear = 0.1;
 /// Times that it is tried again from where it got stuck.
 constexpr int kTries = 6;
 /// Starts in which branches pass, and the faces of a sub-mesh that is large enough for it.
@@ -44,7 +46,7 @@ BalanceSearch::BalanceSearch(Patchwork& patchwork,
       narrow_work_left_(kMostNarrowWork * patchwork.face_count() / (start + 1)) {}
 
 bool BalanceSearch::pass_faces() {
-    return is_near_balance(patchwork_) && balance_exactly(patchwork_, &deadline_, progress_);
+    return excess_share(patchwork_) <= kNear && balance_exactly(patchwork_, &deadline_, progress_);
 }
 
 void BalanceSearch::pass_branches(const Deadline& limit) {
@@ -58,7 +60,7 @@ void BalanceSearch::pass_branches(const Deadline& limit) {
 
 bool BalanceSearch::balance_initial_labels() {
     const std::int64_t most_work = kWorkOnInitialLabels * patchwork_.face_count();
-    return is_near_balance(patchwork_) &&
+    return excess_share(patchwork_) <= kNear &&
         (balance_exactly(patchwork_, &deadline_, progress_, most_work) ||
          (!spheroseg::is_hopeless(patchwork_) && recut(TreeTurns::random)));
 }

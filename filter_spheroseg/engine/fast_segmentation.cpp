@@ -34,8 +34,8 @@ constexpr int kMaxStarts = 6;
 constexpr double kBisectionShare = 0.15;
 /// A heaviest load, over the mean, that is worth another start when the time is up.
 constexpr double kFarOff = 1.03;
-/// In initial labels near to balance: what sub-meshes have above the mean load, over all of it.
-constexpr double kSmallExcess = 0.02;
+/// The greatest excess_share of initial labels that are near to balance.
+constexpr double kNear = 0.02;
 /// The tail of the cohesion is long and changes little.
 constexpr int kSphereIterations = 100;
 
@@ -70,8 +70,7 @@ public:
             begin_start(start);
             Patchwork patchwork = start == 0 && trials() > 1 ? best_layout() : annealed_labels();
             make_exact(patchwork);
-            const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
-            any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
+            keep(patchwork);
             if (!wants_more(patchwork, start)) {
                 break;
             }
@@ -113,6 +112,12 @@ private:
     }
 
     const Deadline& limit() const { return time_.of_start(); }
+
+    /// Keeps the labels of a start if they are better than those before.
+    void keep(const Patchwork& patchwork) {
+        const bool is_whole = !patchwork.may_be_unsound || is_sound(patchwork);
+        any_valid_ = best_->keep_if_better(patchwork, is_whole, history_) || any_valid_;
+    }
 
     /// Is another start worth its time, after the start that made this patchwork?
     bool wants_more(const Patchwork& patchwork, int start) const {
@@ -227,17 +232,12 @@ private:
     Patchwork adopted_labels() {
         Patchwork adopted = finest_with(task_.initial_labels);
         adopt_labels(adopted, seed_, start_progress_);
-        const double mean = mean_load(adopted);
-        double excess = 0.0;
-        for (int load : adopted.load) {
-            excess += std::max(0.0, load - mean);
-        }
-        const bool is_near = excess <= kSmallExcess * mean * submesh_count_;
+        const bool is_near = excess_share(adopted) <= kNear;
         cost_.start = is_near ? cost_.exchanges : 0.0;
         if (is_near) {
             Patchwork patchwork = adopted;
             make_exact(patchwork, false);
-            any_valid_ = best_->keep_if_better(patchwork, is_sound(patchwork), history_);
+            keep(patchwork);
             history_ = {};
         }
         return adopted;

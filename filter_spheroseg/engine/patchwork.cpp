@@ -4,6 +4,7 @@
 #include "threads.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace spheroseg {
@@ -132,6 +133,15 @@ double mean_load(const Patchwork& patchwork) {
 
 double mean_face_weight(const Patchwork& patchwork) {
     return total_load(patchwork) / patchwork.face_count();
+}
+
+double excess_share(const Patchwork& patchwork) {
+    const double ceiling = std::ceil(mean_load(patchwork));
+    double excess = 0.0;
+    for (int load : patchwork.load) {
+        excess += std::max(0.0, load - ceiling);
+    }
+    return excess / total_load(patchwork);
 }
 
 EvenLoads even_loads(const Patchwork& patchwork) {

@@ -144,6 +144,8 @@ double mean_load(const Patchwork& patchwork);
 double mean_cell_count(const Patchwork& patchwork);
 
 double mean_face_weight(const Patchwork& patchwork);
+/// What sub-meshes have above the mean load, rounded up, over the load of all.
+double excess_share(const Patchwork& patchwork);
 
 /// The loads of sub-meshes of unit weights that differ by at most one.
 struct EvenLoads {
