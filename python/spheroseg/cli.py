@@ -19,6 +19,7 @@ import errno
 import importlib
 import io
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -163,6 +164,7 @@ def _run(argv: Sequence[str] | None) -> int:
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = build_parser()
+    argv = sys.argv[1:] if argv is None else argv
     arguments = parser.parse_args(argv)
     if arguments.command is None:
         parser.error("a command is missing: choose one of " + ", ".join(COMMANDS))
@@ -170,6 +172,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         # Mostly a variable of the shell that is not set.
         if value == "" or (isinstance(value, list) and "" in value):
             parser.error(f"{name.replace('_', '-')} is empty: name something, or leave it out")
+    arguments.command_line = shlex.join(["spheroseg", *argv])
     return arguments
 
 

@@ -256,6 +256,10 @@ def test_report_is_one_file_that_needs_nothing_else(evaluation):
     assert text.count('src="data:image/png;base64,') == 2 * 2 * len(RUN_METHODS)
     environment = json.loads((evaluation / "out" / "results.json").read_text())["environment"]
     assert {"command", "seed", "commit", "pymetis", "processor"} <= set(environment)
+    folders = f"{evaluation / 'in'} -o {evaluation / 'out'}"
+    command = f"spheroseg evaluate {folders} --methods {','.join(RUN_METHODS)} -k 5 16"
+    assert environment["command"] == command
+    assert command in text
     assert environment["seed"] == "0"
     threads = f"{len(os.sched_getaffinity(0))} for our methods, 1 for the others"
     assert environment["threads"] == threads

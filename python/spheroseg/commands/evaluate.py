@@ -7,8 +7,6 @@ is written all the same. docs/evaluation.md tells what is measured and how.
 """
 
 import importlib
-import shlex
-import sys
 from pathlib import Path
 
 from spheroseg import api
@@ -74,7 +72,7 @@ def run(arguments) -> int:
         if all(row["status"] == "left out" for row in rows):
             report_folder.keep_only(folder, earlier)
             raise InputError(_why_nothing_ran(rows, failures))
-        environment = describe(shlex.join(["spheroseg", *sys.argv[1:]]), _seeds(plan))
+        environment = describe(arguments.command_line, _seeds(plan))
         runner.write_numbers(folder, rows, failed_meshes, environment)
         page = report.write_report(folder, rows, failed_meshes, environment, arguments.viewer_limit)
         report_folder.keep_only(folder, files)
