@@ -362,7 +362,7 @@ void anneal_balanced(Patchwork& patchwork,
                      const AnnealSchedule& schedule,
                      const AnnealControl& control) {
     if (patchwork.submesh_count() > 1) {
-        const EvenLoads even = even_loads(patchwork);
+        const LoadRange even = even_loads(patchwork);
         anneal_within(patchwork, schedule, control, {even.floor, even.ceiling});
     }
 }

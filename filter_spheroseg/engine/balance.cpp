@@ -139,7 +139,7 @@ private:
     std::int64_t unreported_ = 0;
     SubmeshBoundaries boundaries_;
     PassGraph graph_;
-    const EvenLoads even_;
+    const LoadRange even_;
     PlannedChains chains_;
     Random random_{0x62616c616e6365ULL};
 };
@@ -154,7 +154,7 @@ bool balance_exactly(Patchwork& patchwork,
 }
 
 bool is_hopeless(const Patchwork& patchwork) {
-    const EvenLoads even = even_loads(patchwork);
+    const LoadRange even = even_loads(patchwork);
     const auto off = std::count_if(patchwork.load.begin(), patchwork.load.end(), [&](int load) {
         return even.deviation(load) > 0;
     });

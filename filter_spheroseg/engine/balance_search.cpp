@@ -98,7 +98,7 @@ bool BalanceSearch::pass_or_recut(TreeTurns turns) {
         return true;
     }
     if (!least_misplaced_) {
-        least_misplaced_ = least_misplaced(patchwork_);
+        least_misplaced_ = least_misplaced(patchwork_, even_loads(patchwork_));
     }
     return recut(turns);
 }

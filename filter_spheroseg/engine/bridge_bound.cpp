@@ -79,9 +79,8 @@ Walk walk_from_first_face(const Patchwork& patchwork) {
 
 class BridgeBound {
 public:
-    explicit BridgeBound(const Patchwork& patchwork)
-        : even_(even_loads(patchwork)),
-          work_left_(kMoreWork + kWorkPerFace * patchwork.face_count()) {}
+    BridgeBound(const Patchwork& patchwork, const LoadRange& asked)
+        : asked_(asked), work_left_(kMoreWork + kWorkPerFace * patchwork.face_count()) {}
 
     /// Faces that are joined without bridges make a node; those of one face are treated exactly.
     int of(const Walk& walk) {
@@ -118,7 +117,7 @@ public:
 
 private:
     Misplaced of_node(int own_faces, int all_faces, const std::vector<Misplaced>& beyond) {
-        Misplaced misplaced(std::min(all_faces, even_.ceiling + kMostMisplaced) + 1, 0);
+        Misplaced misplaced(std::min(all_faces, asked_.ceiling + kMostMisplaced) + 1, 0);
         work_left_ -= static_cast<std::int64_t>(misplaced.size());
         if (own_faces == 1) {
             misplaced = of_face(beyond);
@@ -140,7 +139,7 @@ private:
     }
 
     /// Faces that a sub-mesh has too many.
-    int excess(int faces) const { return std::max(0, faces - even_.ceiling); }
+    int excess(int faces) const { return std::max(0, faces - asked_.ceiling); }
 
     /// In the sub-mesh on the bridge, too, which has at least one face on this side of it.
     int least(const Misplaced& beyond) const {
@@ -156,7 +155,7 @@ private:
         Misplaced sum = {kOutOfSight, 0};
         for (const Misplaced& other : beyond) {
             const std::size_t size = std::min<std::size_t>(sum.size() + other.size() - 1,
-                                                           even_.ceiling + kMostMisplaced + 1);
+                                                           asked_.ceiling + kMostMisplaced + 1);
             Misplaced next(size, kOutOfSight);
             work_left_ -= static_cast<std::int64_t>(sum.size() * other.size());
             for (std::size_t i = 1; i < sum.size() && work_left_ >= 0; ++i) {
@@ -167,31 +166,31 @@ private:
             sum = std::move(next);
         }
         for (int i = 1; i < static_cast<int>(sum.size()); ++i) {
-            sum[0] = std::min(sum[0], sum[i] + even_.deviation(i));
+            sum[0] = std::min(sum[0], sum[i] + asked_.deviation(i));
         }
         return sum;
     }
 
     /// At least so many are misplaced when so many faces are cut into any number of sub-meshes.
     int in_any_cut_of(int faces) const {
-        const int count = (faces + even_.ceiling - 1) / even_.ceiling;
-        const int too_few = std::max(0, count * even_.floor - faces);
-        return count < 2 ? too_few : std::min(too_few, faces - (count - 1) * even_.ceiling);
+        const int count = (faces + asked_.ceiling - 1) / asked_.ceiling;
+        const int too_few = std::max(0, count * asked_.floor - faces);
+        return count < 2 ? too_few : std::min(too_few, faces - (count - 1) * asked_.ceiling);
     }
 
-    const EvenLoads even_;
+    const LoadRange asked_;
     std::int64_t work_left_;
 };
 
 } // namespace
 
-std::int64_t least_misplaced(const Patchwork& patchwork) {
+std::int64_t least_misplaced(const Patchwork& patchwork, const LoadRange& asked) {
     // One edge alone does not bound faces of a closed surface.
     const bool is_closed =
         std::all_of(patchwork.cells.begin(), patchwork.cells.end(), [](const Cell& cell) {
             return *std::min_element(std::begin(cell.side), std::end(cell.side)) >= 0;
         });
-    return is_closed ? 0 : BridgeBound(patchwork).of(walk_from_first_face(patchwork));
+    return is_closed ? 0 : BridgeBound(patchwork, asked).of(walk_from_first_face(patchwork));
 }
 
 } // namespace spheroseg

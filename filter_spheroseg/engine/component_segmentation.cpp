@@ -30,6 +30,8 @@ constexpr double kSameBalance = 0.001;
 /// that it gives or takes, with so many times all faces cut anew in all.
 constexpr int kMostPartners = 4;
 constexpr std::int64_t kMostCutsAnew = 2;
+/// Faces up to which counts are searched for that differ by more than the best shares would.
+constexpr int kFewFaces = 24;
 
 /// Component after component, each with its share of the sub-meshes.
 class ComponentWise {
@@ -76,7 +78,8 @@ public:
             change_shares();
         }
         if (options_.balance == Balance::triangle_count && submesh_count > 1 &&
-            face_count <= kMaxFacesToSearch && !is_as_even_as_possible()) {
+            face_count <= kMaxFacesToSearch &&
+            count_difference() > result_.best_max_triangle_count_difference) {
             search_all_shares(submesh_count);
         }
         if (!options_.initial_labels.empty() &&
@@ -102,14 +105,15 @@ private:
         result_.used_cuda = device_ && device_->was_used();
     }
 
-    bool is_as_even_as_possible() const {
+    /// Of the largest and the smallest sub-mesh.
+    int count_difference() const {
         std::vector<int> counts;
         for (int label : result_.labels) {
             counts.resize(std::max(counts.size(), static_cast<std::size_t>(label) + 1), 0);
             ++counts[label];
         }
         const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
-        return *most - *least <= result_.best_max_triangle_count_difference;
+        return *most - *least;
     }
 
     /// Each component that could not be cut as its share asks gives a sub-mesh to another one, or
@@ -197,16 +201,16 @@ private:
     }
 
     /// The last resort for small meshes: other shares, and any counts that differ as little as
-    /// those of the best shares.
+    /// those of the best shares; with few faces also those that differ by more, but less than what
+    /// was found.
     void search_all_shares(int submesh_count) {
         const Multilevel finest(prepared_.mesh(), prepared_.dual_graph());
+        const int least_difference = result_.best_max_triangle_count_difference;
+        const int end =
+            finest.face_count() <= kFewFaces ? count_difference() : least_difference + 1;
         Patchwork patchwork = finest.coarsen(finest.face_count(), submesh_count);
-        const int difference = result_.best_max_triangle_count_difference;
-        const int mean = finest.face_count() / submesh_count;
-        const int end = std::max(1, mean - difference);
-        for (int least = mean; least >= end && !deadline_.for_searches().expired(); --least) {
-            report_progress(progress_, 1.0, "Searching");
-            if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
+        for (int difference = least_difference; difference < end; ++difference) {
+            if (search_counts(patchwork, difference)) {
                 result_.labels = finest.labels(patchwork);
                 if (!options_.initial_labels.empty()) {
                     rename_like(result_.labels, compacted(options_.initial_labels), submesh_count);
@@ -214,6 +218,19 @@ private:
                 return;
             }
         }
+    }
+
+    /// False when no cut was found whose counts differ by at most so much.
+    bool search_counts(Patchwork& patchwork, int difference) {
+        const int mean = patchwork.face_count() / patchwork.submesh_count();
+        const int end = std::max(1, mean - difference);
+        for (int least = mean; least >= end && !deadline_.for_searches().expired(); --least) {
+            report_progress(progress_, 1.0, "Searching");
+            if (cut_exactly(patchwork, least, least + difference, kMaxSearchSteps)) {
+                return true;
+            }
+        }
+        return false;
     }
 
     /// Valid initial labels may share the sub-meshes out to the components in another way than

@@ -4,6 +4,7 @@
 #include "balance_search.h"
 #include "best_result.h"
 #include "bisection.h"
+#include "bridge_bound.h"
 #include "cohesion_state.h"
 #include "component.h"
 #include "exact_cut.h"
@@ -429,9 +430,14 @@ private:
         time_.extend_search();
         const bool balanced = search.search();
         is_hopeless_ = search.is_hopeless();
-        is_least_ = search.is_least();
+        is_least_ = search.is_least() && !may_be_as_asked(patchwork);
         result_.may_be_balanced = search.is_possible();
         return balanced;
+    }
+
+    /// Other components may have such counts that those of this one need not be equal.
+    bool may_be_as_asked(const Patchwork& patchwork) const {
+        return least_misplaced(patchwork, {task_.least_count, task_.largest_count}) == 0;
     }
 
     AnnealSchedule exchanges(const Patchwork& patchwork, bool are_annealed = true) const {
@@ -477,7 +483,7 @@ private:
     /// Where a balance was last searched for, so much stayed off that only another kind of start is
     /// worth a try.
     bool is_hopeless_ = false;
-    /// No cut has a balance, and none is nearer to it than what was found there.
+    /// No cut has counts as asked for, and none is nearer to a balance than what was found there.
     bool is_least_ = false;
     /// A start was, whatever the initial labels are.
     bool any_valid_ = false;

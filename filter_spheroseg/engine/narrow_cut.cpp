@@ -452,7 +452,7 @@ private:
     std::int64_t& work_left_;
     const Deadline* const deadline_;
     const Progress& progress_;
-    const EvenLoads even_;
+    const LoadRange even_;
     BowtieFinder bowtie_finder_;
     std::vector<std::uint8_t> is_marked_;
     SubmeshFaces faces_of_;

@@ -144,13 +144,13 @@ double excess_share(const Patchwork& patchwork) {
     return excess / total_load(patchwork);
 }
 
-EvenLoads even_loads(const Patchwork& patchwork) {
+LoadRange even_loads(const Patchwork& patchwork) {
     const int floor = patchwork.face_count() / patchwork.submesh_count();
     return {floor, floor + (patchwork.face_count() % patchwork.submesh_count() != 0)};
 }
 
 std::int64_t misplaced(const Patchwork& patchwork) {
-    const EvenLoads even = even_loads(patchwork);
+    const LoadRange even = even_loads(patchwork);
     std::int64_t sum = 0;
     for (int load : patchwork.load) {
         sum += even.deviation(load);

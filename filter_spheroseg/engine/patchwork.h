@@ -147,8 +147,8 @@ double mean_face_weight(const Patchwork& patchwork);
 /// What sub-meshes have above the mean load, rounded up, over the load of all.
 double excess_share(const Patchwork& patchwork);
 
-/// The loads of sub-meshes of unit weights that differ by at most one.
-struct EvenLoads {
+/// The loads that sub-meshes of unit weights may have.
+struct LoadRange {
     int floor;
     int ceiling;
 
@@ -158,8 +158,9 @@ struct EvenLoads {
     int room(int load, bool outward) const { return outward ? ceiling - load : load - floor; }
 };
 
-EvenLoads even_loads(const Patchwork& patchwork);
-/// Faces that all sub-meshes together have too many and too few.
+/// Those that differ by at most one.
+LoadRange even_loads(const Patchwork& patchwork);
+/// Faces that all sub-meshes together have too many and too few, measured at those.
 std::int64_t misplaced(const Patchwork& patchwork);
 
 /// The neighbours of each face; the face itself beyond open borders. What only walks over the faces

@@ -21,7 +21,7 @@ public:
     /// no more chains are searched for; those found so far are made.
     using Report = std::function<bool(std::int64_t)>;
 
-    PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, EvenLoads even)
+    PlannedChains(Patchwork& patchwork, SubmeshBoundaries& boundaries, LoadRange even)
         : patchwork_(patchwork), boundaries_(boundaries), even_(even),
           is_planned_(3 * patchwork.cells.size(), 0), promised_(patchwork.submesh_count(), 0) {}
 
@@ -49,7 +49,7 @@ private:
 
     Patchwork& patchwork_;
     SubmeshBoundaries& boundaries_;
-    const EvenLoads even_;
+    const LoadRange even_;
     std::uint64_t turn_ = 0;
     std::int64_t work_ = 0;
     std::vector<Pass> passes_;

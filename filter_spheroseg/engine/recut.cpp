@@ -369,7 +369,7 @@ private:
     const Deadline* const deadline_;
     const Progress& progress_;
     const std::int64_t least_misplaced_;
-    const EvenLoads even_;
+    const LoadRange even_;
     TreeCut tree_cut_;
     SubmeshFaces faces_of_;
     std::vector<int> distance_[2];

@@ -6,6 +6,7 @@
 #include "warm_start.h"
 
 #include "../fuzz/recount.h"
+#include "patchwork_meshes.h"
 #include "test_meshes.h"
 #include "thinning.h"
 
@@ -307,6 +308,79 @@ TEST(General, AComponentBesideASmallOneIsCutAsItIsAlone) {
     // 20 faces each, and 8.
     EXPECT_EQ(result.measures.max_triangle_count_difference, 12);
     EXPECT_EQ(result.measures.boundary_edge_count, expected.measures.boundary_edge_count);
+}
+
+TEST(General, ASieveBesideATriangleIsCutIntoPartsThatNeedNotBeEqual) {
+    // Some of these have parts that hang on the rest by one edge, so that no equal cut exists.
+    int uneven_count = 0;
+    for (std::uint64_t seed = 21; seed < 27; ++seed) {
+        TriangleMesh mesh = sieve(icosphere(3), 0.24, seed);
+        const int face_count = mesh.face_count();
+        append(mesh, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+        PreparedMesh prepared(mesh);
+        SegmentOptions options;
+        options.submesh_count = face_count / 20 + 1;
+        const Segmentation result = segment(prepared, options);
+        EXPECT_EQ(result.measures.max_triangle_count_difference,
+                  result.best_max_triangle_count_difference)
+            << seed;
+        std::vector<int> counts(options.submesh_count, 0);
+        for (int f = 0; f < face_count; ++f) {
+            ++counts[result.labels[f]];
+        }
+        std::sort(counts.begin(), counts.end());
+        uneven_count += counts.back() > counts[1] + 1;
+    }
+    EXPECT_GE(uneven_count, 2);
+}
+
+/// Over all ways to cut a mesh whose dual graph is a tree: it has no bowties then.
+int least_difference_of_tree(const TriangleMesh& mesh, int submesh_count) {
+    const Levels levels(mesh);
+    int least = mesh.face_count();
+    const auto edges = inner_edges(levels.multilevel.coarsen(mesh.face_count(), submesh_count));
+    for_each_cut(mesh.face_count(), edges, [&](const std::vector<int>& counts) {
+        if (static_cast<int>(counts.size()) == submesh_count) {
+            const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
+            least = std::min(least, *most - *fewest);
+        }
+    });
+    return least;
+}
+
+TEST(General, TinyTreesAreCutAsEvenlyAsTheyCanBe) {
+    // `high` cut the first one into 2, 3 and 5 faces, not 2, 4 and 4.
+    std::vector<TriangleMesh> trees(1);
+    trees[0].faces = {{0, 1, 2},
+                      {1, 0, 3},
+                      {3, 0, 4},
+                      {4, 0, 5},
+                      {1, 3, 6},
+                      {4, 5, 7},
+                      {5, 0, 8},
+                      {2, 1, 9},
+                      {8, 0, 10},
+                      {1, 6, 11}};
+    trees[0].positions.resize(12);
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        trees.push_back(random_tree(8 + static_cast<int>(seed % 4), seed));
+    }
+    int unequal_count = 0;
+    for (const TriangleMesh& tree : trees) {
+        PreparedMesh prepared(tree);
+        for (int k = 2; k <= 5; ++k) {
+            const int least = least_difference_of_tree(tree, k);
+            unequal_count += least > 1;
+            for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
+                SegmentOptions options;
+                options.submesh_count = k;
+                options.effort = effort;
+                EXPECT_EQ(segment(prepared, options).measures.max_triangle_count_difference, least)
+                    << tree.face_count() << " faces, k " << k;
+            }
+        }
+    }
+    EXPECT_GE(unequal_count, 10);
 }
 
 TEST(General, SharesThatABranchCanNotTakeAreChanged) {
