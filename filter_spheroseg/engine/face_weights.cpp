@@ -127,7 +127,8 @@ double weight_imbalance(const std::vector<double>& weights,
         loads[labels[f]] += weights[f] / largest;
         total += weights[f] / largest;
     }
-    return *std::max_element(loads.begin(), loads.end()) * submesh_count / total;
+    // Rounding may leave it a little below 1.
+    return std::max(1.0, *std::max_element(loads.begin(), loads.end()) * submesh_count / total);
 }
 
 } // namespace spheroseg

@@ -33,7 +33,7 @@ std::vector<double> load_shares(const std::vector<double>& weights, int submesh_
 /// units.
 std::vector<int> quantized_weights(const std::vector<double>& weights, int submesh_count);
 
-/// Heaviest sub-mesh over mean load; 1 when all weigh the same.
+/// Heaviest sub-mesh over mean load, at least 1.
 double weight_imbalance(const std::vector<double>& weights,
                         const std::vector<int>& labels,
                         int submesh_count);

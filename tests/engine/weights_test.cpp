@@ -124,6 +124,11 @@ TEST(FaceWeights, ImbalanceByHand) {
     EXPECT_DOUBLE_EQ(weight_imbalance({1, 2, 3, 6}, {0, 0, 1, 1}, 2), 1.5);
 }
 
+TEST(FaceWeights, ImbalanceIsNotBelowOneByRounding) {
+    const std::vector<double> weights = {1, 0.5, 0.4, 1, 0.5, 0.4, 1, 0.5, 0.4};
+    EXPECT_EQ(weight_imbalance(weights, {0, 0, 0, 1, 1, 1, 2, 2, 2}, 3), 1.0);
+}
+
 TEST(FaceWeights, BadWeightsAreRefusedWithCountAndFirstFace) {
     PreparedMesh mesh(octahedron(), 1);
     const auto message = [&](std::vector<double> weights) -> std::string {
