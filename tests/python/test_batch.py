@@ -847,6 +847,24 @@ def test_what_is_wrong_for_every_mesh_is_said_before_the_first(option, tmp_path,
     assert not (tmp_path / "out").exists()
 
 
+def test_a_format_that_is_not_known_is_said_before_the_first_mesh(tmp_path, capsys):
+    write_mesh(tmp_path / "a.ply")
+    options = ["-o", str(tmp_path / "out"), "-k", "5", "--formats", "npy, obj"]
+    assert main(["batch", str(tmp_path / "a.ply"), *options]) == 2
+    said = capsys.readouterr().err
+    assert said == "spheroseg batch: --formats knows ply, npy, npz, glb, but not 'obj'\n"
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_is_not_given_is_as_in_segment(tmp_path):
+    """That the manifest tells of all options changes none of them."""
+    write_mesh(tmp_path / "a.ply", levels=3)
+    options = ["-o", str(tmp_path / "out"), "-k", "40", "--formats", "npy"]
+    assert main(["batch", str(tmp_path / "a.ply"), *options]) == 0
+    labels = spheroseg.segment(*bumpy_sphere(3, 0), submesh_count=40).labels
+    assert np.array_equal(np.load(tmp_path / "out" / "a.npy"), labels)
+
+
 @pytest.mark.parametrize(
     ("package", "options"),
     [
