@@ -32,7 +32,7 @@ BestResult::Cost BestResult::cost_of(const Patchwork& patchwork, bool sound) con
         cost.excess = (std::int64_t{excess} + unit - 1) / unit;
     } else {
         for (int load : patchwork.load) {
-            cost.misplaced += std::max({0, load - task_.largest_count, task_.least_count - load});
+            cost.misplaced += task_.counts.deviation(load);
         }
     }
     return cost;

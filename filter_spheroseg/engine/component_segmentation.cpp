@@ -179,8 +179,8 @@ private:
     bool may_take(int component, int change) const {
         const std::int64_t share = submesh_counts_[component] + change;
         const int face_count = (*components_)[component].face_count();
-        return share >= 1 && share * least_count_ <= face_count &&
-            face_count <= share * largest_count_;
+        return share >= 1 && share * counts_.floor <= face_count &&
+            face_count <= share * counts_.ceiling;
     }
 
     /// With another share; not valid when the time is up.
@@ -278,8 +278,7 @@ private:
         } else {
             Shares shares = share_submeshes(face_counts, submesh_count);
             result_.best_max_triangle_count_difference = shares.max_triangle_count_difference;
-            least_count_ = shares.least_count;
-            largest_count_ = shares.largest_count;
+            counts_ = {shares.least_count, shares.largest_count};
             submesh_counts_ = std::move(shares.submesh_counts);
         }
         if (!options_.initial_labels.empty()) {
@@ -301,8 +300,7 @@ private:
         const Component& component = (*components_)[i];
         ComponentTask task;
         task.submesh_count = submesh_counts_[i];
-        task.least_count = least_count_;
-        task.largest_count = largest_count_;
+        task.counts = counts_;
         task.initial_labels = labels_[i].labels;
         for (int f = 0; f < component.face_count() && !weights_.empty(); ++f) {
             task.weights.push_back(weights_[component.mesh_face(f)]);
@@ -411,8 +409,8 @@ private:
     std::vector<std::uint8_t> is_valid_;
     /// Faces that may be cut anew with other shares.
     std::int64_t cuts_anew_left_ = 0;
-    int least_count_ = 0;
-    int largest_count_ = 0;
+    /// Without weights: those of all sub-meshes when they differ least.
+    LoadRange counts_ = {};
     std::vector<double> weights_;
     std::vector<ComponentLabels> labels_;
     std::atomic<int> done_faces_{0};

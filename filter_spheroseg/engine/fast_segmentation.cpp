@@ -248,7 +248,7 @@ private:
     void search() {
         history_ = {};
         Patchwork patchwork = level_with(component_.face_count());
-        if (cut_exactly(patchwork, task_.least_count, task_.largest_count, kMaxSearchSteps)) {
+        if (cut_exactly(patchwork, task_.counts.floor, task_.counts.ceiling, kMaxSearchSteps)) {
             const auto [least, most] =
                 std::minmax_element(patchwork.load.begin(), patchwork.load.end());
             if (*most - *least <= 1) {
@@ -437,7 +437,7 @@ private:
 
     /// Other components may have such counts that those of this one need not be equal.
     bool may_be_as_asked(const Patchwork& patchwork) const {
-        return least_misplaced(patchwork, {task_.least_count, task_.largest_count}) == 0;
+        return least_misplaced(patchwork, task_.counts) == 0;
     }
 
     AnnealSchedule exchanges(const Patchwork& patchwork, bool are_annealed = true) const {

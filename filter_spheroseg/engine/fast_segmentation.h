@@ -2,6 +2,7 @@
 #pragma once
 
 #include "history.h"
+#include "patchwork.h"
 #include "segment.h"
 
 namespace spheroseg {
@@ -13,8 +14,7 @@ struct ComponentTask {
     int submesh_count = 1;
     /// Without weights: triangle counts that do not make the MTCD of the whole mesh larger than it
     /// has to be.
-    int least_count = 0;
-    int largest_count = 0;
+    LoadRange counts = {};
     /// One per face of the component, finite and >= 0; or empty: triangle counts are balanced.
     std::vector<double> weights;
     /// One per face, in [0, submesh_count), or -1 for none; or empty.

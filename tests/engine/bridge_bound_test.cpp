@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace spheroseg {
 namespace {
@@ -29,21 +31,45 @@ std::array<LoadRange, 3> ranges_of(const Patchwork& patchwork) {
     return {even, {std::max(1, even.floor - 1), even.ceiling}, {even.floor, even.ceiling + 1}};
 }
 
-/// -1 where there are more edges between faces.
+/// Over all ways to keep or cut each edge between two faces.
 std::int64_t
 least_misplaced_of_all(const Patchwork& patchwork, const LoadRange& asked, std::size_t most_edges) {
-    std::int64_t least = patchwork.face_count();
-    const auto edges = inner_edges(patchwork);
+    std::vector<std::pair<int, int>> edges;
+    for (int f = 0; f < patchwork.face_count(); ++f) {
+        for (int neighbor : patchwork.neighbors(f)) {
+            if (neighbor > f) {
+                edges.emplace_back(f, neighbor);
+            }
+        }
+    }
     if (edges.size() > most_edges) {
         return -1;
     }
-    for_each_cut(patchwork.face_count(), edges, [&](const std::vector<int>& loads) {
+    std::int64_t least = patchwork.face_count();
+    for (std::uint32_t kept = 0; kept < 1U << edges.size(); ++kept) {
+        std::vector<int> root(patchwork.face_count());
+        std::iota(root.begin(), root.end(), 0);
+        const auto root_of = [&root](int f) {
+            while (root[f] != f) {
+                f = root[f];
+            }
+            return f;
+        };
+        for (std::size_t e = 0; e < edges.size(); ++e) {
+            if ((kept >> e & 1) != 0) {
+                root[root_of(edges[e].first)] = root_of(edges[e].second);
+            }
+        }
+        std::vector<int> load(root.size(), 0);
+        for (int f = 0; f < patchwork.face_count(); ++f) {
+            ++load[root_of(f)];
+        }
         std::int64_t sum = 0;
-        for (int load : loads) {
-            sum += asked.deviation(load);
+        for (int faces : load) {
+            sum += faces > 0 ? asked.deviation(faces) : 0;
         }
         least = std::min(least, sum);
-    });
+    }
     return least;
 }
 

@@ -5,6 +5,7 @@
 #include "random.h"
 #include "warm_start.h"
 
+#include "../fuzz/exact_cuts.h"
 #include "../fuzz/recount.h"
 #include "patchwork_meshes.h"
 #include "test_meshes.h"
@@ -334,18 +335,15 @@ TEST(General, ASieveBesideATriangleIsCutIntoPartsThatNeedNotBeEqual) {
     EXPECT_GE(uneven_count, 2);
 }
 
-/// Over all ways to cut a mesh whose dual graph is a tree: it has no bowties then.
-int least_difference_of_tree(const TriangleMesh& mesh, int submesh_count) {
-    const Levels levels(mesh);
-    int least = mesh.face_count();
-    const auto edges = inner_edges(levels.multilevel.coarsen(mesh.face_count(), submesh_count));
-    for_each_cut(mesh.face_count(), edges, [&](const std::vector<int>& counts) {
-        if (static_cast<int>(counts.size()) == submesh_count) {
-            const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
-            least = std::min(least, *most - *fewest);
-        }
-    });
-    return least;
+/// Over all ways to cut a small mesh.
+int least_count_difference(const TriangleMesh& mesh, int submesh_count) {
+    const fuzz::Surface surface(mesh);
+    int difference = surface.least_count_difference(submesh_count);
+    while (fuzz::can_be_cut(surface, submesh_count, difference) == fuzz::Answer::no) {
+        ++difference;
+    }
+    EXPECT_EQ(fuzz::can_be_cut(surface, submesh_count, difference), fuzz::Answer::yes);
+    return difference;
 }
 
 TEST(General, TinyTreesAreCutAsEvenlyAsTheyCanBe) {
@@ -369,7 +367,7 @@ TEST(General, TinyTreesAreCutAsEvenlyAsTheyCanBe) {
     for (const TriangleMesh& tree : trees) {
         PreparedMesh prepared(tree);
         for (int k = 2; k <= 5; ++k) {
-            const int least = least_difference_of_tree(tree, k);
+            const int least = least_count_difference(tree, k);
             unequal_count += least > 1;
             for (Effort effort : {Effort::draft, Effort::standard, Effort::high}) {
                 SegmentOptions options;

@@ -13,8 +13,6 @@
 #include "test_meshes.h"
 
 #include <algorithm>
-#include <numeric>
-#include <utility>
 
 namespace spheroseg::test {
 
@@ -49,45 +47,6 @@ inline TriangleMesh sieve(const TriangleMesh& from, double share, std::uint64_t 
         result.faces.push_back(mesh.faces[f]);
     }
     return result;
-}
-
-/// The pairs of faces with a common edge.
-inline std::vector<std::pair<int, int>> inner_edges(const Patchwork& patchwork) {
-    std::vector<std::pair<int, int>> edges;
-    for (int f = 0; f < patchwork.face_count(); ++f) {
-        for (int neighbor : patchwork.neighbors(f)) {
-            if (neighbor > f) {
-                edges.emplace_back(f, neighbor);
-            }
-        }
-    }
-    return edges;
-}
-
-/// Over all ways to keep or cut each of fewer than 32 edges: the face counts of the parts.
-template <typename Visit>
-void for_each_cut(int face_count, const std::vector<std::pair<int, int>>& edges, Visit visit) {
-    for (std::uint32_t kept = 0; kept < 1U << edges.size(); ++kept) {
-        std::vector<int> root(face_count);
-        std::iota(root.begin(), root.end(), 0);
-        const auto root_of = [&root](int f) {
-            while (root[f] != f) {
-                f = root[f];
-            }
-            return f;
-        };
-        for (std::size_t e = 0; e < edges.size(); ++e) {
-            if ((kept >> e & 1) != 0) {
-                root[root_of(edges[e].first)] = root_of(edges[e].second);
-            }
-        }
-        std::vector<int> counts(face_count, 0);
-        for (int f = 0; f < face_count; ++f) {
-            ++counts[root_of(f)];
-        }
-        counts.erase(std::remove(counts.begin(), counts.end(), 0), counts.end());
-        visit(counts);
-    }
 }
 
 /// The finest level parted by bisection: sound, with loads that may be far from even.
