@@ -163,7 +163,7 @@ def _check_off(path: Path, _: bytes, size: int) -> Counts:
             vertex_count = _off_count(path, size, counts[0], "vertices", 6)
             face_count = _off_count(path, size, counts[1], "faces", 4)
             _check_off_vertices(path, lines, vertex_count, keyword.rpartition(b"OFF")[0])
-            corners = [_off_corner_count(path, lines, vertex_count) for _ in range(face_count)]
+            corners, first_odd_face = _off_corner_counts(path, lines, face_count, vertex_count)
         except StopIteration:
             raise InputError(
                 f"{path}: ends before all vertices and faces that the header declares; the file "
@@ -175,7 +175,7 @@ def _check_off(path: Path, _: bytes, size: int) -> Counts:
                     f"{path}: goes on with '{_shown([line.strip()])}' behind the {face_count:,} "
                     "faces that the header declares; its counts are wrong, or the file is damaged"
                 )
-    return Counts(_triangle_count(corners), vertex_count)
+    return Counts(_triangle_count(corners), vertex_count, first_odd_face)
 
 
 _Line = tuple[int, list[bytes]]
@@ -225,10 +225,12 @@ def _check_off_vertices(path: Path, lines: Iterator[_Line], count: int, kind: by
             text += b" ".join(words) + b"\n"
         # Colours are as many numbers as the line still has.
         left = 0 if b"C" in kind else left - missing
-    if b"#" in text:
+    comment = text.find(b"#")
+    if comment >= 0:
+        line = line_numbers[text.count(b"\n", 0, comment)]
         raise InputError(
-            f"{path}: a vertex has a comment behind it, which PyMeshLab takes for numbers; remove "
-            "it"
+            f"{path}: line {line}: a vertex has a comment behind it, which PyMeshLab takes for "
+            "numbers; remove it"
         )
     _check_off_numbers(path, text, line_numbers)
 
@@ -243,26 +245,43 @@ def _check_off_numbers(path: Path, text: bytes, line_numbers: list[int]) -> None
         raise no_number(path, line_numbers[text.count(b"\n", 0, place)], word_at(data, place))
 
 
-def _off_corner_count(path: Path, lines: Iterator[_Line], vertex_count: int) -> int:
-    count, *words = next(lines)[1]
+def _off_corner_counts(
+    path: Path, lines: Iterator[_Line], face_count: int, vertex_count: int
+) -> tuple[list[int], str | None]:
+    """Of each face, and the first one that names a vertex twice, or fewer than three."""
+    counts, first_odd_face = [], None
+    for _ in range(face_count):
+        number, corners = _off_corners(path, lines, vertex_count)
+        counts.append(len(corners))
+        if first_odd_face is None and len(set(corners)) < max(3, len(corners)):
+            first_odd_face = f"line {number}"
+    return counts, first_odd_face
+
+
+def _off_corners(path: Path, lines: Iterator[_Line], vertex_count: int) -> tuple[int, list[int]]:
+    """The line where a face begins, and the vertices that it names."""
+    number, (count, *words) = next(lines)
     words = words or next(lines)[1]
     corner_count = int(count) if count.isdigit() else 0
     if not 2 <= corner_count <= _OFF_CORNERS:
         raise InputError(
-            f"{path}: a face has {_shown([count])} corners, and PyMeshLab reads off files with 2 "
-            f"to {_OFF_CORNERS}; write it as ply or obj"
+            f"{path}: line {number}: a face has {_shown([count])} corners, and PyMeshLab reads off "
+            f"files with 2 to {_OFF_CORNERS}; write it as ply or obj"
         )
     if len(words) < corner_count:
         raise InputError(
-            f"{path}: a face of {corner_count} corners names {len(words)}; the file is damaged"
+            f"{path}: line {number}: a face of {corner_count} corners names {len(words)}; the file "
+            "is damaged"
         )
+    corners = []
     for word in words[:corner_count]:
         if not word.isdigit() or int(word) >= vertex_count:
             raise InputError(
-                f"{path}: a face names the vertex '{_shown([word])}', expected an index in [0, "
-                f"{vertex_count}); the file is damaged"
+                f"{path}: line {number}: a face names the vertex '{_shown([word])}', expected an "
+                f"index in [0, {vertex_count}); the file is damaged"
             )
-    return corner_count
+        corners.append(int(word))
+    return number, corners
 
 
 def _check_stl(path: Path, head: bytes, size: int) -> Counts:

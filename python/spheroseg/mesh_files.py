@@ -14,6 +14,7 @@ import pymeshlab
 
 from spheroseg import atomic, workers
 from spheroseg._plugin import forget_failed_call
+from spheroseg.counts import Counts
 from spheroseg.errors import InputError, counted
 from spheroseg.file_checks import (
     CHECKED_SUFFIXES,
@@ -28,6 +29,7 @@ _NOT_FOUND = ("File does not exist", "Can't open file")
 _LONGEST_REASON = 300
 _LONGEST_WORD = 80
 _LABEL_ATTRIBUTE = "spheroseg_initial_label"
+_UNKNOWN = Counts()
 
 
 def sample_mesh(name: str) -> Path:
@@ -82,14 +84,13 @@ def read_counting_lost(path: str | os.PathLike) -> tuple[pymeshlab.MeshSet, int]
 
 def _load_counting_lost(path: Path) -> tuple[pymeshlab.MeshSet, int]:
     counts = checked_counts(path)
-    mesh_set = load(path, counts.triangles)
+    mesh_set = load(path, counts)
     vertex_count = mesh_set.current_mesh().vertex_number()
     return mesh_set, max(0, (counts.vertices or 0) - vertex_count)
 
 
-def load(path: Path, expected: int | None = None) -> pymeshlab.MeshSet:
-    """Reads a file that is there and harmless, as `read_mesh`; `expected`: how many triangles its
-    faces make, where that is known."""
+def load(path: Path, counts: Counts = _UNKNOWN) -> pymeshlab.MeshSet:
+    """Reads a file that is there and harmless, and declares so much, as `read_mesh`."""
     mesh_set = pymeshlab.MeshSet()
     try:
         mesh_set.load_new_mesh(str(path))
@@ -107,16 +108,25 @@ def load(path: Path, expected: int | None = None) -> pymeshlab.MeshSet:
             "its own, or merge them (in MeshLab: Flatten Visible Layers)"
         )
     face_count = mesh_set.current_mesh().face_number()
-    if expected is not None and expected > face_count:
+    if counts.triangles is not None and counts.triangles > face_count:
         raise InputError(
-            f"{path}: {expected - face_count} of the {expected} triangles of its faces can not be "
-            "used: each names a vertex twice (in stl: has two corners at one place), a vertex that "
-            "is not there, or one whose coordinates are not finite (NaN); repair the file first, "
-            "or save it again in MeshLab, which leaves them out"
+            f"{path}: {counts.triangles - face_count} of the {counts.triangles} triangles of its "
+            f"faces can not be used: {_why_left_out(counts)}; repair the file first, or save it "
+            "again in MeshLab, which leaves them out"
         )
     if face_count == 0:
         raise InputError(f"{path}: has no faces; a triangle mesh is needed")
     return mesh_set
+
+
+def _why_left_out(counts: Counts) -> str:
+    if counts.first_odd_face is not None:
+        return (
+            f"{counts.first_odd_face} is the first that names a vertex twice, or fewer than three"
+        )
+    if counts.vertices is not None:
+        return "they name vertices whose coordinates are not finite (NaN)"
+    return "they have two corners at one place, or coordinates that are not finite (NaN)"
 
 
 def _copy_elsewhere(path: Path, copy: Path) -> None:

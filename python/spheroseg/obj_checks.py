@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spheroseg.counts import Counts
+from spheroseg.counts import Counts, name_one_twice
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import (
     BLANK,
@@ -74,9 +74,13 @@ def obj_counts(path: Path) -> Counts:
     """
     kinds = (_Kind("vertex", ""), _Kind("texture coordinate", "t"), _Kind("normal", "n"))
     triangle_count = place = 0
+    odd_places = []
     for block in _blocks(path):
-        triangle_count += _read(path, block, place, kinds)
+        count, odd_place = _read(path, block, place, kinds)
+        triangle_count += count
         place += len(block)
+        if odd_place is not None:
+            odd_places.append(odd_place)
     vertex, texture, normal = kinds
     if vertex.count == 0:
         raise InputError(f"{path}: has no vertices; it is empty, damaged, or no OBJ file")
@@ -85,7 +89,8 @@ def obj_counts(path: Path) -> Counts:
         texture.check(path)
     if normal.count == vertex.count:  # PyMeshLab takes no others
         normal.check(path)
-    return Counts(triangle_count, vertex.count)
+    first_odd_face = f"line {_line_number(path, odd_places[0])}" if odd_places else None
+    return Counts(triangle_count, vertex.count, first_odd_face)
 
 
 def _blocks(path: Path) -> Iterator[bytes]:
@@ -102,8 +107,12 @@ def _line_number(path: Path, place: int) -> int:
         return 1 + file.read(place).count(b"\n")
 
 
-def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int:
-    """Adds what a block, at this place of the file, defines and names; returns its triangles."""
+def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> tuple[int, int | None]:
+    """Adds what a block, at this place of the file, defines and names.
+
+    Returns how many triangles its faces make, and the place of the first face that names a vertex
+    twice, or fewer than three.
+    """
     if b"\\" in block:
         if crlf := re.search(rb"\\\r?\n[^\n]*\r(\n|$)", block):
             raise InputError(
@@ -142,6 +151,7 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
             f"{path}: line {_line_number(path, places[is_face][owner])}: a face names '{word}', "
             "expected whole numbers, with slashes between those of a corner; the file is damaged"
         )
+    odd_place = None
     for kind, lines, (owners, indices) in zip(kinds, defined, faces.indices(), strict=True):
         counts = kind.count + np.cumsum(lines)
         kind.count = int(counts[-1])
@@ -153,7 +163,12 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> int
             kind.bad = int(indices[bad][0]), int(line_places[bad][0])
         last = indices.argmax()
         kind.largest = max(kind.largest, (int(indices[last]), int(line_places[last])))
-    return faces.triangle_count()
+        if kind.name == "vertex":
+            from_front = np.where(indices < 0, counts[is_face][owners] + 1 + indices, indices)
+            odd_face = faces.first_odd_face(from_front)
+            if odd_face is not None:
+                odd_place = int(places[is_face][odd_face])
+    return faces.triangle_count(), odd_place
 
 
 def _check_controls(path: Path, block: bytes, place: int) -> None:
@@ -225,6 +240,16 @@ class _Faces:
             return None
         corner = np.searchsorted(self.corners, odd.min(), side="right") - 1
         return int(self.owners[corner]), word_at(self.text, self.corners[corner])
+
+    def first_odd_face(self, vertices: np.ndarray) -> int | None:
+        """The first face that names a vertex twice, or fewer than three; `vertices`: of each
+        corner."""
+        is_odd = self.corner_counts < 3
+        for count in np.unique(self.corner_counts[~is_odd]):
+            faces = np.flatnonzero(self.corner_counts == count)
+            corners = vertices[self.corner_counts[self.owners] == count]
+            is_odd[faces] = name_one_twice(corners.reshape(-1, count))
+        return int(is_odd.argmax()) if is_odd.any() else None
 
     def triangle_count(self) -> int:
         return int(np.maximum(self.corner_counts - 2, 1).sum())

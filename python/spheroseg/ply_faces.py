@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from spheroseg.counts import Counts
+from spheroseg.counts import Counts, name_one_twice
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import (
     PADDING,
@@ -144,6 +144,7 @@ def ply_counts(path: Path, header: bytes, start: int) -> Counts:
     """
     body = _Body(path, header, start)
     triangle_count, vertex_count, place = None, 0, 0
+    first_odd_face = None
     for element in ply_elements(header):
         corners = body.corner_list(element)
         columns, place = body.columns(element, place)
@@ -157,10 +158,11 @@ def ply_counts(path: Path, header: bytes, start: int) -> Counts:
             else:
                 _check_faces(path, column, vertex_count)
                 triangle_count = int(column.lengths.sum()) - 2 * element.count
+                first_odd_face = _first_odd_face(column)
         if element.name == b"vertex":
             vertex_count = element.count
     body.check_end(place)
-    return Counts(triangle_count, vertex_count)
+    return Counts(triangle_count, vertex_count, first_odd_face)
 
 
 class _Body:
@@ -306,6 +308,16 @@ def _check_faces(path: Path, column: _Column, vertex_count: int) -> None:
             f"{_MOST_CORNERS}; cut it into triangles, unless the file is damaged"
         )
     _check_indices(path, column, 0, vertex_count)
+
+
+def _first_odd_face(column: _Column) -> str | None:
+    """The first face that names a vertex twice."""
+    faces = [
+        entries[is_odd][0]
+        for entries, corners in column.rows()
+        if (is_odd := name_one_twice(corners)).any()
+    ]
+    return column.entry(min(faces)) if faces else None
 
 
 def _check_strips(path: Path, column: _Column, vertex_count: int) -> None:

@@ -19,6 +19,7 @@ from mesh_paths import SAMPLE_FOLDER
 
 from spheroseg import cli, digests, file_checks, mesh_files, obj_checks
 from spheroseg.batch import inputs, jobs
+from spheroseg.counts import Counts
 from spheroseg.errors import InputError
 
 CUBE = SAMPLE_FOLDER / "cube.obj"
@@ -174,17 +175,20 @@ def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
     at = content.rindex("3 1 2 3") + len("3 1 2 ")
     result = outcome("off", (content[:at] + "900000000\n").encode())
     assert_refused(result)
-    assert "900000000" in result[1]
+    assert (
+        f"line {1 + content.count(chr(10), 0, at)}: a face names the vertex '900000000'"
+        in result[1]
+    )
 
 
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("1 0 0\n", "1 0 0 # a corner\n", "comment"),
+        ("1 0 0\n", "1 0 0 # a corner\n", "line 4: a vertex has a comment"),
         ("3 0 3 2\n", "  \n3 0 3 2\n", "line 9 has nothing but blanks"),
         ("3 1 2 3\n", "", "ends before all"),
-        ("3 0 3 2\n", "3 0 3\n", "a face of 3 corners names 2"),
-        ("3 0 3 2\n", "+3 0 3 2\n", "a face has +3 corners"),
+        ("3 0 3 2\n", "3 0 3\n", "line 9: a face of 3 corners names 2"),
+        ("3 0 3 2\n", "+3 0 3 2\n", "line 9: a face has +3 corners"),
         ("4 4 6", "4 four 6", "declares four faces"),
         ("0 1 0\n", "# a comment\n0 1,5 0\n", "line 6: '1,5' is no number"),
         ("0 1 0\n", "0 1 0 red\n", "line 5: 'red' is no number"),
@@ -341,7 +345,7 @@ def test_obj_indices_are_checked_across_blocks_of_the_file(tmp_path, monkeypatch
     monkeypatch.setattr(obj_checks, "_BLOCK_BYTES", 7)
     path = tmp_path / "mesh.obj"
     path.write_text(TETRAHEDRON + "f -3 \\\n -1 \\\n -2")
-    assert obj_checks.obj_counts(path) == (4, 4)
+    assert obj_checks.obj_counts(path) == Counts(4, 4)
     path.write_text(TETRAHEDRON + "f 2 \\\n4 \\\n 3\nf 1 2 7\nv 0 0 0\n")
     with pytest.raises(InputError, match=r"line 11: a face names the vertex 7.* from 1 to 5"):
         obj_checks.obj_counts(path)
@@ -405,6 +409,43 @@ def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
     result = outcome(name, polygon_bytes(name, *grid(6, damage)))
     assert_refused(result)
     assert " of the 5" in result[1]
+    face = {"corner twice": 1, "thin triangle": 26}.get(damage)
+    if face is None:
+        assert "can not be used: they name vertices whose coordinates are not finite" in result[1]
+    else:
+        lines_before = {".obj": 6 * 6, ".off": 2 + 6 * 6}.get(name[-4:])
+        place = f"face {face}" if lines_before is None else f"line {lines_before + face + 1}"
+        assert f"can not be used: {place} is the first that names a vertex twice" in result[1]
+
+
+def test_the_first_of_many_faces_that_lose_triangles_is_named(tmp_path):
+    vertices, faces = grid(9, "corner twice")
+    quad = [1, 2, 3, 2]
+    for name in POLYGON_FILES:
+        path = tmp_path / name
+        path.write_bytes(polygon_bytes(name, vertices, [quad, *faces]))
+        expected = {".obj": "line 82", ".off": "line 84"}.get(name[-4:], "face 0")
+        assert file_checks.checked_counts(path).first_odd_face == expected
+        path.write_bytes(polygon_bytes(name, *grid(9)))
+        assert file_checks.checked_counts(path).first_odd_face is None
+
+
+def test_faces_of_obj_files_that_count_back_name_vertices_as_others_do(tmp_path):
+    path = tmp_path / "mesh.obj"
+    for face, expected in (
+        ("f 4 1 -1", "line 8"),
+        ("f -4/1 1/2 2/3", "line 8"),
+        ("f 1 2", "line 8"),
+        ("f -1 -2 -3\nf 2/1 2/2 3/3", "line 9"),
+        ("f 1/2 2/2 -1/2", None),
+    ):
+        path.write_text(f"{TETRAHEDRON}{face}\nv 7 7 7\n")
+        assert obj_checks.obj_counts(path).first_odd_face == expected
+    # Beyond one block, with what counts back from its own place.
+    far = "# filling\n" * (obj_checks._BLOCK_BYTES // 10)
+    path.write_text(f"{TETRAHEDRON}{far}v 7 7 7\nf -1 1 2\nf -1 1 5\n{far}f 1 1 2\n")
+    line = 7 + far.count("\n") + 3
+    assert obj_checks.obj_counts(path).first_odd_face == f"line {line}"
 
 
 @pytest.mark.parametrize("name", POLYGON_FILES)
