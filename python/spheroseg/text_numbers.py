@@ -51,9 +51,14 @@ def word_begins(text: np.ndarray) -> np.ndarray:
 
 def whole_numbers(text: np.ndarray, places: np.ndarray) -> np.ndarray:
     """int64: the number at each place as C's atoi reads it, 0 where there is none. At most
-    _MOST_DIGITS digits count. The text must end with PADDING."""
+    _MOST_DIGITS digits count, from the first one that is not 0 on. The text must end with PADDING.
+    """
     negative = text[places] == _MINUS
     places = places + (negative | (text[places] == _PLUS))
+    zeros = np.flatnonzero((text[places] == _ZERO) & (text[places + 1] == _ZERO))
+    if len(zeros):
+        others = np.flatnonzero(text != _ZERO)
+        places[zeros] = others[np.searchsorted(others, places[zeros])]
     numbers = np.zeros(len(places), dtype=np.int64)
     reading = np.ones(len(places), dtype=bool)
     for place in range(_MOST_DIGITS):

@@ -303,6 +303,8 @@ NORMALS = "vn 0 0 1\n" * 4
         ("f 2 4 -5\n", "the vertex -5"),
         ("f 2 4 99999999999999999999\n", "the vertex 99999"),
         ("f 2 4 \\\n  -2147483648\n", "the vertex -2147483648"),
+        (f"f 2 4 {'0' * 17}31900000000\n", "the vertex 31900000000"),
+        (f"f 2 4 -{'0' * 17}31900000000\n", "the vertex -31900000000"),
         ("q 0 1 2 4\n", "the vertex 5"),
         (TEXTURES + "f 2/1 4/2 3/5\n", "the texture coordinate 5"),
         (TEXTURES + "f 2/1 4/2 3/0\n", "the texture coordinate 0"),
@@ -324,6 +326,7 @@ def test_an_obj_index_of_something_that_is_not_there_is_refused(outcome, lines, 
     [
         "f -3 -1 -2",
         "f +2 +4 +3",
+        "f 0000000000000000000002 -000000000000000000000000001 +03",
         "  f\t2  4\t3  ",
         "f 2 \\\n4 \\\n3",
         "f 2/9 4/9 3/9",
@@ -644,7 +647,7 @@ def test_triangle_strips_that_pymeshlab_would_follow_too_far_are_refused(
         ("0 1 0", "0 1e+ 0", "line 10: '1e+' is no number"),
         ("3 0 1 3", "3 0 one 3", "line 12: 'one' is no number"),
         ("3 0 1 3", "3 0 1.0 3", "face 1 has a fraction"),
-        ("3 0 1 3", "0000000000000000000003 0 1 3", "face 1 has"),
+        ("3 0 1 3", "0000000000000000000002 0 1", "face 1 has 2 corners"),
         ("3 0 1 3", "4294967299 0 1 3", "face 1 does not end"),
         ("3 0 1 3", "-3 0 1 3", "face 1 does not end"),
         ("list uchar int", "list uchar int vertex_index\nproperty list uchar int", "can not read"),
@@ -684,7 +687,8 @@ def test_a_comment_behind_the_faces_of_a_text_ply_is_refused(outcome, comment):
 
 
 def test_numbers_of_a_text_ply_may_be_written_in_any_way(tmp_path):
-    content = ply_bytes("ascii", [[0, 1, 2]]).replace(b"\n3 0 1 2", b"\n+3 0\v1\f 002\r")
+    written = b"\n+00000000000000000000003 0\v1\f 00000000000000000000002\r"
+    content = ply_bytes("ascii", [[0, 1, 2]]).replace(b"\n3 0 1 2", written)
     content = content.replace(b" 1 0 0 0 1 0 0 0 1", b" 1e0 -0.E+2 .0 +0 1. 0 nan -INF Infinity")
     path = tmp_path / "mesh.ply"
     path.write_bytes(content)
