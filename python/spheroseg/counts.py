@@ -2,9 +2,12 @@
 """How much a mesh file declares, to compare it with what PyMeshLab makes of it."""
 
 from itertools import combinations
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+
+from spheroseg.errors import InputError
 
 # More corners are compared in order, as there are too many pairs.
 _FEW_CORNERS = 4
@@ -25,3 +28,13 @@ def name_one_twice(corners: np.ndarray) -> np.ndarray:
     if corners.shape[1] > _FEW_CORNERS:
         return (np.diff(np.sort(corners)) == 0).any(axis=1)
     return np.logical_or.reduce([one == other for one, other in combinations(corners.T, 2)])
+
+
+def require_room(path: Path, available: int, count: int, name: str, least_bytes: int) -> None:
+    """Raises InputError where so many bytes can not hold what a header declares."""
+    # The last line of a text needs no end.
+    if count * least_bytes > available + 1:
+        raise InputError(
+            f"{path}: the header declares {count:,} {name}, but there are only {available:,} bytes "
+            "for them; the file is cut short or damaged"
+        )

@@ -53,8 +53,8 @@ _KEPT_LISTS = (b"texcoord", b"color")
 _KEPT_ENTRIES = 32
 _SKIPPED_BYTES = 512
 _ROWS_AT_A_TIME = 2**16
-#: What may follow the last element.
-FILLING = b"\0\x1a \t\r\n"
+# What may follow the last element.
+_FILLING = b"\0\x1a \t\r\n"
 #: Stands for a number with a fraction.
 _NOT_WHOLE = np.iinfo(np.int64).min
 _NEWLINE = ord("\n")
@@ -242,7 +242,7 @@ class _Body:
     def check_end(self, end: int) -> None:
         """Raises InputError where something follows that no element has."""
         rest = self.data[end:]
-        if len(rest) == 0 or not (self.is_text or rest.tobytes().strip(FILLING)):
+        if len(rest) == 0 or not (self.is_text or rest.tobytes().strip(_FILLING)):
             return
         count = f"{len(rest) // 8:,} numbers" if self.is_text else f"{len(rest):,} bytes"
         raise InputError(
@@ -358,7 +358,7 @@ def _text_as_binary(path: Path, start: int) -> np.ndarray:
     """The words of a text as 64-bit numbers."""
     with path.open("rb") as file:
         head = file.read(start)
-        text = np.frombuffer(file.read().rstrip(FILLING) + PADDING, dtype=np.uint8)
+        text = np.frombuffer(file.read().rstrip(_FILLING) + PADDING, dtype=np.uint8)
     begins = np.flatnonzero(word_begins(text))
     is_whole, odd = number_kinds(text, begins)
     if odd is not None:

@@ -55,12 +55,12 @@ def whole_numbers(text: np.ndarray, places: np.ndarray) -> np.ndarray:
     """
     negative = text[places] == _MINUS
     places = places + (negative | (text[places] == _PLUS))
-    zeros = np.flatnonzero((text[places] == _ZERO) & (text[places + 1] == _ZERO))
-    if len(zeros):
+    zeros = (text[places] == _ZERO) & (text[places + 1] == _ZERO)
+    if zeros.any():
         others = np.flatnonzero(text != _ZERO)
         places[zeros] = others[np.searchsorted(others, places[zeros])]
-    numbers = np.zeros(len(places), dtype=np.int64)
-    reading = np.ones(len(places), dtype=bool)
+    numbers = np.zeros(places.shape, dtype=np.int64)
+    reading = np.ones(places.shape, dtype=bool)
     for place in range(_MOST_DIGITS):
         digits = text[places + place] - np.uint8(_ZERO)
         reading &= digits < 10
