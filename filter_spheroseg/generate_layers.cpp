@@ -5,6 +5,7 @@
 #include "new_layers.h"
 
 #include <vcg/complex/algorithms/update/bounding.h>
+#include <vcg/complex/algorithms/update/flag.h>
 #include <vcg/complex/algorithms/update/selection.h>
 
 #include <QStringList>
@@ -131,6 +132,23 @@ void write_source_attributes(const Part& part, CMeshO& target) {
     }
 }
 
+/// The inner edges of polygons are marked. Where a polygon was cut, they lie on the border now, and
+/// MeshLab would write it broken.
+void unmark_inner_edges_on_border(CMeshO& layer) {
+    const auto has_inner_edge = [](const CFaceO& face) { return face.IsAnyF(); };
+    if (std::none_of(layer.face.begin(), layer.face.end(), has_inner_edge)) {
+        return;
+    }
+    vcg::tri::UpdateFlags<CMeshO>::FaceBorderFromNone(layer);
+    for (CFaceO& face : layer.face) {
+        for (int c = 0; c < 3; ++c) {
+            if (face.IsB(c)) {
+                face.ClearF(c);
+            }
+        }
+    }
+}
+
 void fill_layer(const CMeshO& source,
                 const HostMesh& host,
                 const PartCollector& collector,
@@ -148,6 +166,7 @@ void fill_layer(const CMeshO& source,
             target.face[i].V(c) = &target.vert[collector.local_index(corners[c])];
         }
     }
+    unmark_inner_edges_on_border(target);
     copy_vertex_attributes<Scalarm>(source, part, target);
     copy_vertex_attributes<Point3m>(source, part, target);
     copy_face_attributes<Scalarm>(source, part, target);

@@ -146,6 +146,29 @@ def test_textures_of_new_layers_are_saved_with_them(tmp_path):
     assert images == 4 * images[:1]
 
 
+def test_layers_of_cut_polygons_are_saved_with_all_their_triangles(tmp_path):
+    cube = tmp_path / "cube.obj"
+    corners = [f"v {i & 1} {i >> 1 & 1} {i >> 2}" for i in range(8)]
+    squares = ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"]
+    cube.write_text("\n".join(corners + [f"f {square}" for square in squares]))
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(cube))
+    # An odd number of triangles each, so that squares are cut.
+    mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
+    mesh_set.apply_filter(LAYERS)
+    sizes = []
+    for index in range(1, 5):
+        mesh_set.set_current_mesh(index)
+        mesh_set.save_current_mesh(str(tmp_path / "layer.obj"))
+        text = (tmp_path / "layer.obj").read_text()
+        faces = [line.split()[1:] for line in text.splitlines() if line.startswith("f ")]
+        assert all(len(set(face)) == len(face) for face in faces)
+        assert sum(len(face) - 2 for face in faces) == 3
+        sizes += [len(face) for face in faces]
+    # What was not cut is a square still.
+    assert set(sizes) == {3, 4}
+
+
 def test_source_stays_current_and_unchanged():
     mesh_set = ellipsoid()
     mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
