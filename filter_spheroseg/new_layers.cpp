@@ -36,7 +36,8 @@ NewLayers::~NewLayers() {
         document_.setCurrentMesh(current_); // removing a layer makes another one current
     }
     if (hidden_list_) {
-        hidden_list_->show();
+        // Later, as MeshLab builds it several times at the end of a filter, too.
+        QMetaObject::invokeMethod(hidden_list_, "show", Qt::QueuedConnection);
     }
 }
 

@@ -9,7 +9,8 @@ namespace spheroseg {
 
 /// Layers that a filter adds to a document: without `keep` they are removed again, and the current
 /// mesh is the one that was. From the second one on, MeshLab's list of layers is hidden until the
-/// end: while it is seen it is built anew for each, 200 times for 200 layers, which takes minutes.
+/// filter has ended: while it is seen it is built anew for each, 200 times for 200 layers, which
+/// takes minutes.
 class NewLayers {
 public:
     explicit NewLayers(MeshDocument& document);
