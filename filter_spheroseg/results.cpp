@@ -96,7 +96,8 @@ std::string summary(const Segmentation& segmentation) {
          << segmentation.total_seconds << " s";
     if (segmentation.component_count > 1) {
         text << "; " << segmentation.component_count << " components, which allow a difference of "
-             << segmentation.best_max_triangle_count_difference << " triangles at best";
+             << counted(segmentation.best_max_triangle_count_difference, "triangle", "s")
+             << " at best";
     }
     if (segmentation.balance == Balance::weight) {
         text << "; heaviest sub-mesh " << segmentation.weight_imbalance << " times the mean";

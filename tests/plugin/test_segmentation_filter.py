@@ -285,6 +285,7 @@ star.apply_filter(SEGMENTATION, submesh_count=2)
 one = document(*small)
 one.set_verbosity(True)
 one.apply_filter(SEGMENTATION, submesh_count=1)
+one.apply_filter("generate_submesh_layers")
 """
 
 
@@ -324,6 +325,9 @@ def test_the_log_counts_one_and_many():
     said = logged(3)
     assert "544 triangles in 3 sub-meshes of 32 to 256; " in said
     assert "32 triangles in 1 sub-mesh of 32 to 32; 0 boundary edges, 0 bowties, " in said
+    assert "1 layer made, one for each sub-mesh" in said
+    assert "; 2 components, which allow a difference of 224 triangles at best" in said
+    assert "; 2 components, which allow a difference of 1 triangle at best" in logged(50)
 
 
 @pytest.mark.parametrize("number", [-1, 3])
