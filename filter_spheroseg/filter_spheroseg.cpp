@@ -217,7 +217,9 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     if (starts_from_face_quality(parameters)) {
         options.initial_labels = read_labels(document.mm()->cm, host);
     } else {
-        check_label_range(requested_submesh_count(options, host.mesh.face_count()));
+        // More sub-meshes than faces are the engine's to refuse: it names the number of faces.
+        const int face_count = host.mesh.face_count();
+        check_label_range(std::min(requested_submesh_count(options, face_count), face_count));
     }
     const std::string weight_attribute = parameters.getString("weight_attribute").toStdString();
     if (!weight_attribute.empty()) {

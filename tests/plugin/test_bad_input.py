@@ -101,6 +101,7 @@ BAD_OPTIONS = {
     "no sub-mesh": ({"submesh_count": 0}, "submesh_count"),
     "negative count": ({"submesh_count": -3}, "-3"),
     "more sub-meshes than faces": ({"submesh_count": 129}, "129"),
+    "more sub-meshes than labels": ({"submesh_count": 1 << 25}, r"must lie in \[1, 128\]"),
     "negative triangles": ({"triangles_per_submesh": -1}, "triangles_per_submesh"),
     "negative threads": ({"thread_count": -1}, "thread_count"),
     "negative cohesion limit": ({"max_cohesion_iterations": -1}, "max_cohesion_iterations"),
