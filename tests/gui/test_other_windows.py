@@ -210,8 +210,6 @@ def test_many_layers_are_made_while_their_list_is_hidden(meshlab, cow):
     dialog.close()
     meshlab.run_filter_without_parameters(LAYERS, seconds=20.0)
     meshlab.screenshot("200-layers")
-    # Building the list takes more than a second; MeshLab does so when the filter has ended.
-    assert int(re.search(r"\(SpheroSeg\) in (\d+) msec\s*$", meshlab.log_text())[1]) < 1000
     meshlab.select_layer(1)  # the list is back
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(meshlab.export("layer.ply")))
