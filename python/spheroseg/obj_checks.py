@@ -128,6 +128,14 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> tup
     places = keywords + (place - 1)
     first, second = text[keywords], text[keywords + 1]
     defined = [kind.defined_by(first, second) for kind in kinds]
+    odd = keywords[(defined[1] | defined[2]) & (text[keywords + 2] > BLANK)]
+    if len(odd):
+        word = word_at(text, odd[0])
+        raise InputError(
+            f"{path}: line {_line_number(path, place + odd[0] - 1)}: begins with '{word}', which "
+            f"PyMeshLab counts as '{word[:2]}', but does not read; remove it, or put a blank "
+            f"behind '{word[:2]}'"
+        )
     indented = places[defined[0] & (text[keywords - 1] != _NEWLINE)]
     if len(indented):
         raise InputError(

@@ -314,6 +314,9 @@ NORMALS = "vn 0 0 1\n" * 4
         (NORMALS + "f 2//1 4//2 3//\n", "the normal 0"),
         (TEXTURES + NORMALS + "f 2/1/1 4/2/-5 3/3/3\n", "the normal -5"),
         ("  v 0 0 0\n", "line 8: a vertex has blanks before"),
+        ("vt0 0\n", "line 8: begins with 'vt0', which PyMeshLab counts as 'vt'"),
+        (TEXTURES + "\n\tvtt 0 0\nf 2/1 4/2 3/5\n", "line 13: begins with 'vtt'"),
+        (NORMALS + "vn1 0 0\n", "line 12: begins with 'vn1'"),
         ("f 2 \\\r\n4 3\r\n", "line 8: goes on in the next one"),
     ],
 )
