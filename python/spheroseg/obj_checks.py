@@ -37,6 +37,12 @@ _NEWLINE, _SLASH, _HASH, _FACE, _QUAD, _VERTEX, _PLUS, _MINUS = b"\n/#fqv+-"
 _COMMENT = re.compile(
     rb"^([ \t\r]*v(?:t|n?[ \t\r]+\S+)(?:[ \t\r]+\S+){2,}?[ \t\r])#.*", re.MULTILINE
 )
+# A line that goes on, with what it goes on with.
+_CONTINUED = re.compile(rb"^(?:.*\\\r?\n)+.*", re.MULTILINE)
+# PyMeshLab counts lines that begin with v and a blank, or with vt or vn, before it joins them.
+_MISCOUNTED = re.compile(
+    rb"^[ \t]*v[tn]?\\\r?\n|((?<=\\\n)|(?<=\\\r\n))[ \t]*v[tn \t]", re.MULTILINE
+)
 _OF_INDICES = b" \t\n\r0123456789+-/\0"
 
 
@@ -119,7 +125,13 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> tup
                 f"{path}: line {_line_number(path, place + crlf.start())}: goes on in the next "
                 "one, which PyMeshLab can read with Unix line ends only; convert them"
             )
-        block = re.sub(rb"\\\r?\n", lambda end: b" " * len(end[0]), block)
+        if miscounted := _MISCOUNTED.search(block):
+            raise InputError(
+                f"{path}: line {_line_number(path, place + miscounted.start())}: begins with 'v' "
+                "and goes on right behind it, or is where the line before goes on, which PyMeshLab "
+                "can not read; write each in one line"
+            )
+        block = _CONTINUED.sub(_joined, block)
     _check_controls(path, block, place)
     if b"#" in block:
         block = _COMMENT.sub(lambda line: line[1].ljust(len(line[0])), block)
@@ -177,6 +189,11 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> tup
             if odd_face is not None:
                 odd_place = int(places[is_face][odd_face])
     return faces.triangle_count(), odd_place
+
+
+def _joined(lines: re.Match[bytes]) -> bytes:
+    """One line as long as all of them, joined as PyMeshLab does it."""
+    return re.sub(rb"\\\r?\n", b"", lines[0]).ljust(len(lines[0]))
 
 
 def _check_controls(path: Path, block: bytes, place: int) -> None:
