@@ -125,7 +125,10 @@ def _why_left_out(counts: Counts) -> str:
             f"{counts.first_odd_face} is the first that names a vertex twice, or fewer than three"
         )
     if counts.vertices is not None:
-        return "they name vertices whose coordinates are not finite (NaN)"
+        return (
+            "they name vertices whose coordinates are not finite (NaN), or 'flags' of a ply file "
+            "mark them or their vertices as deleted"
+        )
     return "they have two corners at one place, or coordinates that are not finite (NaN)"
 
 

@@ -433,6 +433,22 @@ def test_polygons_that_lose_triangles_are_refused(outcome, name, damage):
         assert f"can not be used: {place} is the first that names a vertex twice" in result[1]
 
 
+@pytest.mark.parametrize(("element", "lost"), [("vertex", 2), ("face", 1)])
+def test_a_ply_whose_flags_mark_something_as_deleted_is_refused(outcome, element, lost):
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    content = polygon_bytes("text.ply", vertices, [[0, 2, 1], [0, 1, 3], [0, 3, 2]]).decode()
+    header, body = content.split("end_header\n")
+    points, faces = body.splitlines()[:4], body.splitlines()[4:]
+    flagged = points if element == "vertex" else faces
+    flagged[:] = [f"{line} 0" for line in flagged[:-1]] + [f"{flagged[-1]} 1"]
+    end = "element face" if element == "vertex" else "end_header"
+    header = f"{header}end_header\n".replace(end, f"property int flags\n{end}")
+    result = outcome("ply", (header + "\n".join(points + faces) + "\n").encode())
+    assert_refused(result)
+    assert f"{lost} of the 3 triangles" in result[1]
+    assert "'flags' of a ply file mark them or their vertices as deleted" in result[1]
+
+
 def test_the_first_of_many_faces_that_lose_triangles_is_named(tmp_path):
     vertices, faces = grid(9, "corner twice")
     quad = [1, 2, 3, 2]
