@@ -23,7 +23,7 @@ from spheroseg.file_checks import (
     checked_counts,
 )
 from spheroseg.ply_faces import ply_elements, read_ply_header
-from spheroseg.textures import copy_textures
+from spheroseg.textures import copy_textures, give_coordinates_to_faces
 
 _NOT_FOUND = ("File does not exist", "Can't open file")
 _LONGEST_REASON = 300
@@ -177,6 +177,7 @@ def save_ply(
     folder = Path(path).resolve().parent
     with atomic.atomic_path(path, ".ply") as temporary:
         temporary.touch()  # fails with the reason
+        give_coordinates_to_faces(mesh_set)
         try:
             mesh_set.save_current_mesh(
                 str(temporary),

@@ -13,7 +13,7 @@ import pymeshlab
 
 from spheroseg import mesh_files, workers
 from spheroseg.errors import InputError
-from spheroseg.textures import copy_textures
+from spheroseg.textures import copy_textures, give_coordinates_to_faces
 
 _BUFFER = 65536  # at least that of a C library's stream
 
@@ -47,6 +47,7 @@ def _copy(task: workers.Message) -> workers.Message:
 
 
 def _save(mesh_set: pymeshlab.MeshSet, source: Path, copy: Path) -> None:
+    give_coordinates_to_faces(mesh_set)
     mesh_set.save_current_mesh(str(copy), save_textures=False)
     # In a folder that is not in the working folder, where MeshLab looks for images first.
     images = copy.parent / copy.parent.name

@@ -71,6 +71,15 @@ def copy_textures(
     return left_out
 
 
+def give_coordinates_to_faces(mesh_set: pymeshlab.MeshSet) -> None:
+    """Where vertices have texture coordinates and there are several images. MeshLab's writer of ply
+    files looks up the image of each face then, and ends the process where faces have none."""
+    mesh = mesh_set.current_mesh()
+    is_of_vertices = mesh.has_vertex_tex_coord() and not mesh.has_wedge_tex_coord()
+    if is_of_vertices and mesh.texture_number() > 1:
+        mesh_set.compute_texcoord_transfer_vertex_to_wedge()
+
+
 def _images(source: Path) -> list[tuple[str, list[Path]]]:
     """The names of the images in a mesh's file, each with the folders where it may be."""
     suffix = source.suffix.lower()

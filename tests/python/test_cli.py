@@ -525,6 +525,32 @@ def test_images_are_copied_as_they_are_whatever_pymeshlab_can_decode(run, tmp_pa
     assert {path.name for path in tmp_path.rglob("*") if path.is_dir()} == {*"12x", "in", "out"}
 
 
+@pytest.mark.parametrize("names", [["a.png"], ["a.png", "b.png"]])
+def test_texture_coordinates_of_vertices_are_kept_with_any_number_of_images(run, tmp_path, names):
+    images = "".join(f"comment TextureFile {name}\n" for name in names)
+    properties = "".join(f"property float {name}\n" for name in ("x", "y", "z", "s", "t"))
+    vertices = [[0, 0, 0, 0, 0.5], [1, 0, 0, 0.25, 1], [0, 1, 0, 1, 0], [0, 0, 1, 0.5, 0]]
+    faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    (tmp_path / "mesh.ply").write_text(
+        f"ply\nformat ascii 1.0\n{images}element vertex 4\n{properties}"
+        "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        + "".join(" ".join(map(str, vertex)) + "\n" for vertex in vertices)
+        + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    )
+    for name in names:
+        (tmp_path / name).write_bytes(PNG)
+    mesh = tmp_path / "mesh.ply"
+    assert run("segment", mesh, "-k", 2, "-o", tmp_path / "o.ply", "-q") == (0, "", "")
+    assert named_textures(tmp_path / "o.ply") == names
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(tmp_path / "o.ply"))
+    mesh = mesh_set.current_mesh()
+    assert np.array_equal(mesh.vertex_tex_coord_matrix(), np.array(vertices)[:, 3:])
+    if len(names) > 1:
+        corners = np.array(vertices)[np.ravel(faces), 3:]
+        assert np.array_equal(mesh.wedge_tex_coord_matrix(), corners)
+
+
 def test_no_image_that_is_there_is_replaced(run, tmp_path):
     mesh = write_textured_cube(tmp_path / "in", "a.jpg")
     (tmp_path / "in" / "a.jpg").write_bytes(JPEG)
