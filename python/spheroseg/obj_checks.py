@@ -27,6 +27,7 @@ from spheroseg.text_numbers import (
     word_at,
     word_begins,
 )
+from spheroseg.textures import content_of, material_libraries
 
 _BLOCK_BYTES = 2**20
 _END = b"\n#" + PADDING
@@ -43,6 +44,8 @@ _CONTINUED = re.compile(rb"^(?:.*\\\r?\n)+.*", re.MULTILINE)
 _MISCOUNTED = re.compile(
     rb"^[ \t]*v[tn]?\\\r?\n|((?<=\\\n)|(?<=\\\r\n))[ \t]*v[tn \t]", re.MULTILINE
 )
+# Lines of a library of materials behind which PyMeshLab reads a value.
+_VALUELESS = re.compile(rb"^[ \t\r]*(d|Tr|Ns|illum)[ \t\r]*$", re.MULTILINE)
 _OF_INDICES = b" \t\n\r0123456789+-/\0"
 
 
@@ -81,12 +84,17 @@ def obj_counts(path: Path) -> Counts:
     kinds = (_Kind("vertex", ""), _Kind("texture coordinate", "t"), _Kind("normal", "n"))
     triangle_count = place = 0
     odd_places = []
+    libraries = [path.with_suffix(".mtl")]  # for a file that names none
     for block in _blocks(path):
         count, odd_place = _read(path, block, place, kinds)
         triangle_count += count
         place += len(block)
         if odd_place is not None:
             odd_places.append(odd_place)
+        if b"mtllib" in block:
+            libraries += material_libraries(block, path)
+    for library in dict.fromkeys(libraries):
+        _check_materials(library)
     vertex, texture, normal = kinds
     if vertex.count == 0:
         raise InputError(f"{path}: has no vertices; it is empty, damaged, or no OBJ file")
@@ -97,6 +105,17 @@ def obj_counts(path: Path) -> Counts:
         normal.check(path)
     first_odd_face = f"line {_line_number(path, odd_places[0])}" if odd_places else None
     return Counts(triangle_count, vertex.count, first_odd_face)
+
+
+def _check_materials(library: Path) -> None:
+    """Raises InputError for a library of materials that PyMeshLab would read beyond a line."""
+    content = content_of(library) or b""
+    if valueless := _VALUELESS.search(content):
+        line = 1 + content.count(b"\n", 0, valueless.start())
+        raise InputError(
+            f"{library}: line {line}: '{valueless[1].decode()}' has no value, which PyMeshLab can "
+            "not read; remove the line"
+        )
 
 
 def _blocks(path: Path) -> Iterator[bytes]:

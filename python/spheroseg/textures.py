@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
+from itertools import chain
 from pathlib import Path
 
 import pymeshlab
@@ -28,7 +29,7 @@ _PLACEHOLDER = "dummy.png"
 #: Qt's number for the least compression but none: a fourth of the default's time, a sixth larger.
 _FAST_PNG = 80
 _IN_PLY = re.compile(rb"^(comment TextureFile[ \t]+)([^\r\n]*[^ \t\r\n])", re.M)
-_IN_OBJ = re.compile(rb"^[ \t]*(mtllib[ \t]+)([^\r\n]*[^ \t\r\n])")
+_IN_OBJ = re.compile(rb"^[ \t]*(mtllib[ \t]+)([^\r\n]*[^ \t\r\n])", re.M)
 _IN_MTL = re.compile(rb"^[ \t]*(map_Kd[ \t]+)([^\r\n]*[^ \t\r\n])", re.M | re.I)
 
 
@@ -53,7 +54,7 @@ def copy_textures(
             name, folders = old, []
         if not name.lower().endswith(_IMAGE_SUFFIXES):
             folders = []
-        found = filter(None, (_content(place / name) for place in folders))
+        found = filter(None, (content_of(place / name) for place in folders))
         content = next(found, None)
         names.append(name.rpartition("/")[2])
         # Where folders are known, PyMeshLab may have one of that name from the working folder only.
@@ -88,21 +89,26 @@ def _images(source: Path) -> list[tuple[str, list[Path]]]:
     if suffix not in (".obj", ".qobj"):
         return []
     with source.open("rb") as lines:
-        libraries = [name for line in lines if b"mtllib" in line for name in _names(_IN_OBJ, line)]
+        named = [material_libraries(line, source) for line in lines if b"mtllib" in line]
     images: dict[str, list[Path]] = {}
-    for library in (source.parent / name for name in libraries):
-        for name in _names(_IN_MTL, _content(library) or b""):
+    for library in chain.from_iterable(named):
+        for name in _names(_IN_MTL, content_of(library) or b""):
             # Options stand before the name.
             name = name.split()[-1] if name.startswith("-") else name
             images.setdefault(name, [source.parent, library.parent])
     return list(images.items())
 
 
+def material_libraries(text: bytes, source: Path) -> list[Path]:
+    """The files of materials that are named in a text of an obj file."""
+    return [source.parent / name for name in _names(_IN_OBJ, text)]
+
+
 def _names(pattern: re.Pattern[bytes], text: bytes) -> list[str]:
     return [os.fsdecode(name).replace("\\", "/") for _, name in pattern.findall(text)]
 
 
-def _content(path: Path) -> bytes | None:
+def content_of(path: Path) -> bytes | None:
     """What is in a file that is there and can be read."""
     try:
         return path.read_bytes() if path.is_file() else None
@@ -121,7 +127,7 @@ def _decoded(mesh: pymeshlab.Mesh, name: str) -> bytes | None:
             mesh.textures()[name].save(str(path), _FAST_PNG)
         except pymeshlab.PyMeshLabException:
             forget_failed_call()
-        return _content(path)
+        return content_of(path)
 
 
 def _as_png(name: str) -> str:
@@ -132,7 +138,7 @@ def _as_png(name: str) -> str:
 def _place(content: bytes, folder: Path, name: str) -> str:
     """Writes an image unless it is there; returns the name that was free for it."""
     path, number = folder / name, 1
-    while path.exists() and _content(path) != content:
+    while path.exists() and content_of(path) != content:
         number += 1
         path = folder / f"{Path(name).stem}_{number}{Path(name).suffix}"
     if not path.exists():

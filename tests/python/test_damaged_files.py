@@ -333,6 +333,30 @@ def test_an_obj_index_of_something_that_is_not_there_is_refused(outcome, lines, 
 
 
 @pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ("Ns", "line 3: 'Ns' has no value"),
+        ("  d \t\r", "line 3: 'd' has no value"),
+        ("illum", "line 3: 'illum' has no value"),
+        ("Tr", "line 3: 'Tr' has no value"),
+        ("Kd\nmap_Kd\nillum 2\nNs 0 \n# d\ndiffuse", None),
+    ],
+)
+@pytest.mark.parametrize(("named", "name"), [("mtllib a b.mtl\n", "a b.mtl"), ("", "mesh.mtl")])
+def test_materials_that_pymeshlab_would_read_beyond_a_line_are_refused(
+    tmp_path, line, complaint, named, name
+):
+    path = tmp_path / "mesh.obj"
+    path.write_text(named + TETRAHEDRON)
+    (tmp_path / name).write_text(f"newmtl x\nKd 1 0 0\n{line}\nnewmtl y\n", newline="")
+    if complaint is None:
+        assert obj_checks.obj_counts(path) == Counts(3, 4)
+    else:
+        with pytest.raises(InputError, match=f"{name}: {complaint}"):
+            obj_checks.obj_counts(path)
+
+
+@pytest.mark.parametrize(
     "face",
     [
         "f -3 -1 -2",
