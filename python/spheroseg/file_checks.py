@@ -81,6 +81,8 @@ def _check_ply(path: Path, head: bytes, size: int) -> Counts:
             f"{path}: has no line 'end_header' in its first {len(head):,} bytes; it is damaged, or "
             "no PLY file"
         )
+    if not head.startswith(b"ply"):
+        raise InputError(f"{path}: does not begin with 'ply'; it is damaged, or no PLY file")
     header = head[: end.start()]
     _check_ply_lines(path, header)
     has_doubles = re.search(rb"^[ \t]*property.*\b(double|float64)\b", header, re.M)

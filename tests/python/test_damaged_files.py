@@ -119,16 +119,48 @@ def exit_code_of_fork(work):
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
+def with_wrong_bytes(content, generator):
+    content = bytearray(content)
+    for _ in range(3):
+        content[generator.randrange(len(content))] = generator.randrange(256)
+    return bytes(content)
+
+
+WRONG_WORDS = [
+    *(b"0", b"3", b"-1", b"99", b"00000000000000000000002", b"4294967298", b"1e5", b"nan", b"1,5"),
+    *(b"", b"\t", b"\r", b"\v", b"\0", b"#", b"\\\n", b"\\\n ", b"/", b"//", b"2/1", b"-1//2"),
+    *(b"v", b"vt", b"vtt", b"vn", b"vt 1", b"f", b"f 1 2", b"q", b"l 1 99", b"usemtl", b"mtllib"),
+    *(b"COFF", b"element", b"property int flags", b"list uchar int", b"comment TextureFile a.png"),
+    *(b"facet", b"vertex", b"endfacet", b"endsolid"),
+]
+
+
+def with_wrong_words(content, generator):
+    lines = content.split(b"\n")
+    for _ in range(generator.randint(1, 3)):
+        place = generator.randrange(len(lines))
+        words = lines[place].split(b" ")
+        at = generator.randrange(len(words))
+        change = generator.randrange(4)
+        if change < 2:
+            words[at : at + change] = [generator.choice(WRONG_WORDS)]
+            lines[place] = b" ".join(words)
+        elif change == 2:
+            lines.insert(place, generator.choice([lines[place], *WRONG_WORDS]))
+        elif len(lines) > 1:
+            del lines[place]
+    return b"\n".join(lines)
+
+
+@pytest.mark.parametrize("damage", [with_wrong_bytes, with_wrong_words])
 @pytest.mark.parametrize("name", [*FORMATS, "text.polygons.ply", "little.polygons.ply"])
-def test_a_file_with_wrong_bytes_is_read_or_refused(outcome, whole, name):
+def test_a_damaged_file_is_read_or_refused(outcome, whole, name, damage):
     # In processes of their own: PyMeshLab might end one.
     generator = random.Random(2)
     for case in range(30):
-        content = bytearray(whole.get(name) or polygon_bytes(name, *grid(9)))
-        for _ in range(3):
-            content[generator.randrange(len(content))] = generator.randrange(256)
+        content = damage(whole.get(name) or polygon_bytes(name, *grid(9)), generator)
 
-        def read(content=bytes(content)):
+        def read(content=content):
             code, said = outcome(name, content)
             if code == 0:  # what is left of the cube may have parts that no equal counts fit
                 assert all(": warning: the result for " in line for line in said.splitlines())
@@ -709,6 +741,7 @@ def test_triangle_strips_that_pymeshlab_would_follow_too_far_are_refused(
         ("element face", "comment " + 600 * "c" + "\nelement face", "line 7 of the header"),
         ("element face 3", "  element face 300000000", "declares 300,000,000 faces"),
         ("end_header", "comment end_header", "no line 'end_header'"),
+        ("ply\n", "element\n", "does not begin with 'ply'"),
         ("format ascii", "format asci", "names no format"),
         ("end_header", "element edge 4000000000\nend_header", "declares 4,000,000,000 edge"),
     ],
