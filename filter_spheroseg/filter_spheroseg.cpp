@@ -303,7 +303,7 @@ Results FilterSpheroSegPlugin::generate_layers(MeshDocument& document, const Pro
     const HostMesh host = read_mesh(source.cm);
     const std::vector<int> labels = read_labels_of_faces(source.cm, host);
     const int layer_count = generate_submesh_layers(document, source, host, labels, progress);
-    log("%i %s made, one for each sub-mesh", layer_count, layer_count == 1 ? "layer" : "layers");
+    log("%s made, one for each sub-mesh", counted(layer_count, "layer", "s").c_str());
     return {{"layer_count", layer_count}};
 }
 

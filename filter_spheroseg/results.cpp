@@ -30,12 +30,11 @@ Results quality_results(const Measures& measures) {
             {"boundary_edge_ratio", measures.boundary_edge_ratio}};
 }
 
-/// As in "1 sub-mesh" and "2 sub-meshes"; `plural`: what is added to `one`.
+} // namespace
+
 std::string counted(int count, const std::string& one, const char* plural) {
     return std::to_string(count) + " " + one + (count == 1 ? "" : plural);
 }
-
-} // namespace
 
 Results segmentation_results(const Segmentation& segmentation) {
     const Measures& measures = segmentation.measures;

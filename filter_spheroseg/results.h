@@ -18,6 +18,9 @@ Results segmentation_results(const Segmentation& segmentation);
 Results measure_results(const Measures& measures);
 Results parametrization_results(const ParametrizationQuality& quality, double seconds);
 
+/// As in "1 sub-mesh" and "2 sub-meshes"; `plural`: what is added to `one`.
+std::string counted(int count, const std::string& one, const char* plural);
+
 /// One line for MeshLab's log.
 std::string summary(const Segmentation& segmentation);
 std::string summary(const Measures& measures);
