@@ -30,6 +30,17 @@ def name_one_twice(corners: np.ndarray) -> np.ndarray:
     return np.logical_or.reduce([one == other for one, other in combinations(corners.T, 2)])
 
 
+def first_odd_face(corner_counts: np.ndarray, vertices: np.ndarray) -> int | None:
+    """The first face that names a vertex twice, or fewer than three; vertices: of each corner, of
+    one face after the other."""
+    is_odd = corner_counts < 3
+    begins = np.cumsum(corner_counts) - corner_counts
+    for count in np.unique(corner_counts[~is_odd]):
+        faces = np.flatnonzero(corner_counts == count)
+        is_odd[faces] = name_one_twice(vertices[begins[faces, np.newaxis] + np.arange(count)])
+    return int(is_odd.argmax()) if is_odd.any() else None
+
+
 def require_room(path: Path, available: int, count: int, name: str, least_bytes: int) -> None:
     """Raises InputError where so many bytes can not hold what a header declares."""
     # The last line of a text needs no end.

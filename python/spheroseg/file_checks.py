@@ -22,6 +22,7 @@ from spheroseg.ply_faces import (
     ply_elements,
     ply_format,
 )
+from spheroseg.text_numbers import legible
 
 #: Of the formats that `checked_counts` knows.
 CHECKED_SUFFIXES = (".ply", ".off", ".obj", ".qobj", ".stl")
@@ -100,7 +101,7 @@ def _check_ply(path: Path, head: bytes, size: int) -> Counts:
     needed = 0
     elements = ply_elements(header)
     for element in elements:
-        name = _shown([element.name])
+        name = legible(element.name)
         if [one.name for one in elements].count(element.name) > 1:
             raise InputError(f"{path}: the header declares {name} twice; the file is damaged")
         lists = [one for one in element.properties if one.length_code]
@@ -122,7 +123,7 @@ def _check_ply_lines(path: Path, header: bytes) -> None:
         words = header_words(line)
         if words and not (_is_ply_line(words) and len(line) < _PLY_LINE_BYTES):
             raise InputError(
-                f"{path}: line {number} of the header is '{_shown([line])}', expected a format, "
+                f"{path}: line {number} of the header is '{legible(line)}', expected a format, "
                 "comment, element or property; the file is damaged"
             )
 
@@ -178,11 +179,7 @@ def _stl_text_facets(path: Path) -> int:
             last_line = (block.rstrip().rpartition(b"\n")[2] or last_line).lstrip()
     if not last_line.lower().startswith(b"endsolid"):
         raise InputError(
-            f"{path}: the last line is '{_shown([last_line])}', expected 'endsolid'; the file is "
+            f"{path}: the last line is '{legible(last_line)}', expected 'endsolid'; the file is "
             "cut short or damaged"
         )
     return facets
-
-
-def _shown(words: list[bytes]) -> str:
-    return words[0].decode(errors="replace")[:40] if words else "nothing"

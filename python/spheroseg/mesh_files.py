@@ -169,6 +169,8 @@ def save_ply(
     qualities and texture coordinates, without normals and custom attributes, and its textures
     beside it. Returns the names of the textures that could not be copied.
 
+    Where it has texture coordinates of vertices and several images, faces have them afterwards.
+
     By MeshLab's writer, which keeps texture coordinates but says nothing about a full disk: so the
     file is read again before it takes its place.
     """

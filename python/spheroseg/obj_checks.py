@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spheroseg.counts import Counts, name_one_twice
+from spheroseg.counts import Counts, first_odd_face
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import (
     BLANK,
@@ -103,8 +103,8 @@ def obj_counts(path: Path) -> Counts:
         texture.check(path)
     if normal.count == vertex.count:  # PyMeshLab takes no others
         normal.check(path)
-    first_odd_face = f"line {_line_number(path, odd_places[0])}" if odd_places else None
-    return Counts(triangle_count, vertex.count, first_odd_face)
+    first_odd = f"line {_line_number(path, odd_places[0])}" if odd_places else None
+    return Counts(triangle_count, vertex.count, first_odd)
 
 
 def _check_materials(library: Path) -> None:
@@ -204,7 +204,7 @@ def _read(path: Path, block: bytes, place: int, kinds: tuple[_Kind, ...]) -> tup
         kind.largest = max(kind.largest, (int(indices[last]), int(line_places[last])))
         if kind.name == "vertex":
             from_front = np.where(indices < 0, counts[is_face][owners] + 1 + indices, indices)
-            odd_face = faces.first_odd_face(from_front)
+            odd_face = first_odd_face(faces.corner_counts, from_front)
             if odd_face is not None:
                 odd_place = int(places[is_face][odd_face])
     return faces.triangle_count(), odd_place
@@ -284,16 +284,6 @@ class _Faces:
             return None
         corner = np.searchsorted(self.corners, odd.min(), side="right") - 1
         return int(self.owners[corner]), word_at(self.text, self.corners[corner])
-
-    def first_odd_face(self, vertices: np.ndarray) -> int | None:
-        """The first face that names a vertex twice, or fewer than three; `vertices`: of each
-        corner."""
-        is_odd = self.corner_counts < 3
-        for count in np.unique(self.corner_counts[~is_odd]):
-            faces = np.flatnonzero(self.corner_counts == count)
-            corners = vertices[self.corner_counts[self.owners] == count]
-            is_odd[faces] = name_one_twice(corners.reshape(-1, count))
-        return int(is_odd.argmax()) if is_odd.any() else None
 
     def triangle_count(self) -> int:
         return int(np.maximum(self.corner_counts - 2, 1).sum())

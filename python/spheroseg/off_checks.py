@@ -14,12 +14,14 @@ from typing import BinaryIO
 
 import numpy as np
 
-from spheroseg.counts import Counts, name_one_twice, require_room
+from spheroseg.counts import Counts, first_odd_face, require_room
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import (
     BLANK,
+    FILLING,
     OF_ATOF,
     PADDING,
+    legible,
     no_number,
     number_kinds,
     whole_numbers,
@@ -28,7 +30,6 @@ from spheroseg.text_numbers import (
 )
 
 _MOST_CORNERS = 4
-_MOST_SHOWN = 40
 _NEWLINE, _RETURN, _HASH, _ZERO = b"\n\r#0"
 _PASSED_OVER = re.compile(rb"^[#\r].*", re.MULTILINE)
 # Not blanks to both, Python or `word_begins` and PyMeshLab: words would not be the same.
@@ -57,9 +58,9 @@ def off_counts(path: Path) -> Counts:
         face_count = _count(path, counts[1], "faces", 4)
         body = _Body(path, file.read(), number)
     body.check_vertices(vertex_count, keyword.rpartition(b"OFF")[0])
-    triangle_count, first_odd_face = body.check_faces(face_count, vertex_count)
+    triangle_count, first_odd = body.check_faces(face_count, vertex_count)
     body.check_end(face_count)
-    return Counts(triangle_count, vertex_count, first_odd_face)
+    return Counts(triangle_count, vertex_count, first_odd)
 
 
 def _header_lines(path: Path, file: BinaryIO) -> Iterator[tuple[int, list[bytes]]]:
@@ -77,9 +78,9 @@ def _header_lines(path: Path, file: BinaryIO) -> Iterator[tuple[int, list[bytes]
 
 def _count(path: Path, word: bytes, name: str, least_bytes: int) -> int:
     if not word.isdigit():
-        shown = word.decode(errors="replace")[:_MOST_SHOWN]
         raise InputError(
-            f"{path}: the header declares {shown} {name}, expected a count; the file is damaged"
+            f"{path}: the header declares {legible(word)} {name}, expected a count; the file is "
+            "damaged"
         )
     require_room(path, path.stat().st_size, int(word), name, least_bytes)
     return int(word)
@@ -100,10 +101,11 @@ class _Body:
             text = np.frombuffer(data + PADDING, dtype=np.uint8)
         self.data = data
         self.text = text
-        self.starts = starts[(first != _HASH) & (first != _RETURN) & (first != _NEWLINE)]
+        starts = starts[(first != _HASH) & (first != _RETURN) & (first != _NEWLINE)]
         self.words = np.flatnonzero(word_begins(text))
         #: Of each line, and behind the last one.
-        self.first_words = np.append(np.searchsorted(self.words, self.starts), len(self.words))
+        self.begins = np.append(starts, len(data))
+        self.first_words = np.append(np.searchsorted(self.words, starts), len(self.words))
         self.word_counts = np.diff(self.first_words)
         self.taken = 0
 
@@ -138,56 +140,49 @@ class _Body:
         lines = self._lines_of_faces(face_count)
         begin, end = self._take(lines[-1] - lines[0])
         words = self.first_words[lines]
-        first_words, counts = words[:-1], whole_numbers(self.text, self.words[words[:-1]])
+        faces, named = words[:-1], np.diff(words) - 1
+        counts = whole_numbers(self.text, self.words[faces])
         is_index = self._have_only_figures(begin, end)
-        bad = ~is_index[first_words] | (counts < 2) | (counts > _MOST_CORNERS)
-        if bad.any():
-            word = self.words[first_words[bad][0]]
+        if (bad := ~is_index[faces] | (counts < 2) | (counts > _MOST_CORNERS)).any():
+            word = self.words[faces[bad.argmax()]]
             raise InputError(
                 f"{self._at(word)}: a face has {word_at(self.text, word)} corners, and PyMeshLab "
                 f"reads off files with 2 to {_MOST_CORNERS}; write it as ply or obj"
             )
-        named = np.diff(words) - 1
-        bad = named < counts
-        if bad.any():
+        if (bad := named < counts).any():
+            face = bad.argmax()
             raise InputError(
-                f"{self._at(self.words[first_words[bad][0]])}: a face of {counts[bad][0]} corners "
-                f"names {named[bad][0]}; the file is damaged"
+                f"{self._at(self.words[faces[face]])}: a face of {counts[face]} corners names "
+                f"{named[face]}; the file is damaged"
             )
-        bad = named == counts + 1
-        if bad.any():
+        if (bad := named == counts + 1).any():
             raise InputError(
-                f"{self._at(self.words[first_words[bad][0]])}: a face has one number behind its "
+                f"{self._at(self.words[faces[bad.argmax()]])}: a face has one number behind its "
                 "corners, an index of a colour, which PyMeshLab can not read; remove it, or give "
                 "the colour itself, as three numbers"
             )
-        is_odd = counts < 3
-        for count in np.unique(counts):
-            corners = first_words[counts == count, np.newaxis] + np.arange(1, count + 1)
-            vertices = whole_numbers(self.text, self.words[corners])
-            bad = ~is_index[corners] | (vertices >= vertex_count)
-            if bad.any():
-                word = self.words[corners[bad][0]]
-                raise InputError(
-                    f"{self._at(word)}: a face names the vertex '{word_at(self.text, word)}', "
-                    f"expected an index in [0, {vertex_count}); the file is damaged"
-                )
-            is_odd[counts == count] |= name_one_twice(vertices)
-        first_odd_face = None
-        if is_odd.any():
-            line = self._line_number(self.words[first_words[is_odd.argmax()]])
-            first_odd_face = f"line {line}"
+        # Of each corner its place behind the number of corners, and so its word.
+        places = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        corners = np.repeat(faces, counts) + 1 + places
+        vertices = whole_numbers(self.text, self.words[corners])
+        if (bad := ~is_index[corners] | (vertices >= vertex_count)).any():
+            word = self.words[corners[bad.argmax()]]
+            raise InputError(
+                f"{self._at(word)}: a face names the vertex '{word_at(self.text, word)}', expected "
+                f"an index in [0, {vertex_count}); the file is damaged"
+            )
+        odd = first_odd_face(counts, vertices)
+        first_odd = None if odd is None else f"line {self._line_number(self.words[faces[odd]])}"
         # A face of two corners counts as one triangle, which PyMeshLab does not make.
-        return int(np.maximum(counts - 2, 1).sum()), first_odd_face
+        return int(np.maximum(counts - 2, 1).sum()), first_odd
 
     def check_end(self, face_count: int) -> None:
-        word = self.first_words[self.taken]
-        if word < len(self.words):
-            more = self.data[self.words[word] :].split(b"\n", 1)[0].strip()
+        more = self.data[self.begins[self.taken] :].strip(FILLING)
+        if more:
+            line = legible(more.splitlines()[0])
             raise InputError(
-                f"{self.path}: goes on with '{more.decode(errors='replace')[:_MOST_SHOWN]}' behind "
-                f"the {face_count:,} faces that the header declares; its counts are wrong, or the "
-                "file is damaged"
+                f"{self.path}: goes on with '{line}' behind the {face_count:,} faces that "
+                "the header declares; its counts are wrong, or the file is damaged"
             )
 
     def _lines_of_faces(self, count: int) -> list[int]:
@@ -200,12 +195,12 @@ class _Body:
             lines.append(lines[-1] + 1 + is_alone[lines[-1] - self.taken])
         return lines
 
-    def _take(self, line_count: int) -> tuple[int, int]:
+    def _take(self, count: int) -> tuple[int, int]:
         """The bytes where the next lines begin and end. Raises InputError where there are too few,
         or some that PyMeshLab can not read."""
-        first, end = self.taken, self.taken + line_count
-        begins = np.append(self.starts, len(self.data))
-        begin_byte, end_byte = int(begins[first]), int(begins[min(end, len(self.starts))])
+        first, end = self.taken, self.taken + count
+        line_count = len(self.word_counts)
+        begin_byte, end_byte = self.begins[[first, min(end, line_count)]].tolist()
         data = self.data[begin_byte:end_byte]
         if len(data.translate(None, _CONTROLS)) < len(data):  # faster than what follows
             odd = _ODD_BLANK.search(data)
@@ -213,8 +208,8 @@ class _Body:
                 raise _odd_blank(self.path, self._line_number(begin_byte + odd.start()))
         blank = np.flatnonzero(self.word_counts[first:end] == 0)
         if len(blank):
-            raise _only_blanks(self.path, self._line_number(self.starts[first + blank[0]]))
-        if end > len(self.starts):
+            raise _only_blanks(self.path, self._line_number(self.begins[first + blank[0]]))
+        if end > line_count:
             raise _cut_short(self.path)
         self.taken = end
         return begin_byte, end_byte

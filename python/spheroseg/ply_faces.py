@@ -18,7 +18,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from spheroseg.counts import Counts, name_one_twice
 from spheroseg.errors import InputError
 from spheroseg.text_numbers import (
+    FILLING,
     PADDING,
+    legible,
     no_number,
     number_kinds,
     whole_numbers,
@@ -53,8 +55,6 @@ _KEPT_LISTS = (b"texcoord", b"color")
 _KEPT_ENTRIES = 32
 _SKIPPED_BYTES = 512
 _ROWS_AT_A_TIME = 2**16
-# What may follow the last element.
-_FILLING = b"\0\x1a \t\r\n"
 #: Stands for a number with a fraction.
 _NOT_WHOLE = np.iinfo(np.int64).min
 _NEWLINE = ord("\n")
@@ -97,7 +97,7 @@ class _Column:
                 yield some, windows[self.places[some]].view(self.type)
 
     def entry(self, number: int) -> str:
-        return f"{_shown(self.element.name)} {number}"
+        return f"{legible(self.element.name)} {number}"
 
 
 def header_words(line: bytes) -> list[bytes]:
@@ -156,9 +156,8 @@ def ply_counts(path: Path, header: bytes, start: int) -> Counts:
             elif element.name == b"tristrips":
                 _check_strips(path, column, vertex_count)
             else:
-                _check_faces(path, column, vertex_count)
+                first_odd_face = _check_faces(path, column, vertex_count)
                 triangle_count = int(column.lengths.sum()) - 2 * element.count
-                first_odd_face = _first_odd_face(column)
         if element.name == b"vertex":
             vertex_count = element.count
     body.check_end(place)
@@ -187,7 +186,7 @@ class _Body:
                 return found[0]
         raise InputError(
             f"{self.path}: PyMeshLab can not read the corners of the element "
-            f"'{_shown(element.name)}' as they are declared; write the file again, with 'property "
+            f"'{legible(element.name)}' as they are declared; write the file again, with 'property "
             "list uchar int vertex_indices'"
         )
 
@@ -234,7 +233,7 @@ class _Body:
         bad = np.flatnonzero(column.lengths > most)
         if len(bad):
             raise InputError(
-                f"{self.path}: {column.entry(bad[0])} has a list '{_shown(one.name)}' of "
+                f"{self.path}: {column.entry(bad[0])} has a list '{legible(one.name)}' of "
                 f"{column.lengths[bad[0]]} entries, which PyMeshLab can not read; write the file "
                 "again without it"
             )
@@ -242,7 +241,7 @@ class _Body:
     def check_end(self, end: int) -> None:
         """Raises InputError where something follows that no element has."""
         rest = self.data[end:]
-        if len(rest) == 0 or not (self.is_text or rest.tobytes().strip(_FILLING)):
+        if len(rest) == 0 or not (self.is_text or rest.tobytes().strip(FILLING)):
             return
         count = f"{len(rest) // 8:,} numbers" if self.is_text else f"{len(rest):,} bytes"
         raise InputError(
@@ -283,7 +282,7 @@ class _Body:
                 place += length * size
                 if length < 0 or place > len(view):
                     raise InputError(
-                        f"{self.path}: {_shown(element.name)} {number} does not end within the "
+                        f"{self.path}: {legible(element.name)} {number} does not end within the "
                         "file, which is cut short or damaged"
                     )
         return lengths, places, place
@@ -295,11 +294,12 @@ def _check_whole(path: Path, column: _Column) -> None:
         if bad.any():
             raise InputError(
                 f"{path}: {column.entry(entries[bad][0])} has a fraction or an exponent in "
-                f"'{_shown(column.property.name)}', expected whole numbers; the file is damaged"
+                f"'{legible(column.property.name)}', expected whole numbers; the file is damaged"
             )
 
 
-def _check_faces(path: Path, column: _Column, vertex_count: int) -> None:
+def _check_faces(path: Path, column: _Column, vertex_count: int) -> str | None:
+    """Returns the first face that names a vertex twice."""
     counts = column.lengths
     bad = np.flatnonzero((counts < _FEWEST_CORNERS) | (counts > _MOST_CORNERS))
     if len(bad):
@@ -307,22 +307,16 @@ def _check_faces(path: Path, column: _Column, vertex_count: int) -> None:
             f"{path}: face {bad[0]} has {counts[bad[0]]} corners, expected {_FEWEST_CORNERS} to "
             f"{_MOST_CORNERS}; cut it into triangles, unless the file is damaged"
         )
-    _check_indices(path, column, 0, vertex_count)
-
-
-def _first_odd_face(column: _Column) -> str | None:
-    """The first face that names a vertex twice."""
-    faces = [
+    odd = [
         entries[is_odd][0]
-        for entries, corners in column.rows()
+        for entries, corners in _rows_in_range(path, column, 0, vertex_count)
         if (is_odd := name_one_twice(corners)).any()
     ]
-    return column.entry(min(faces)) if faces else None
+    return column.entry(min(odd)) if odd else None
 
 
 def _check_strips(path: Path, column: _Column, vertex_count: int) -> None:
-    _check_indices(path, column, -1, vertex_count)
-    for entries, corners in column.rows():
+    for entries, corners in _rows_in_range(path, column, -1, vertex_count):
         # As if an end stood before the first corner.
         ends = np.pad(corners == -1, ((0, 0), (1, 0)), constant_values=True)
         bad = (ends[:, :-1] & ends[:, 1:]).any(axis=1) | (ends[:, :-2] & ends[:, 2:]).any(axis=1)
@@ -333,7 +327,10 @@ def _check_strips(path: Path, column: _Column, vertex_count: int) -> None:
             )
 
 
-def _check_indices(path: Path, column: _Column, least: int, vertex_count: int) -> None:
+def _rows_in_range(
+    path: Path, column: _Column, least: int, vertex_count: int
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The column's rows, each looked at before: raises InputError for an index out of range."""
     for entries, corners in column.rows():
         if corners.min() < least or corners.max() >= vertex_count:
             bad = (corners < least) | (corners >= vertex_count)
@@ -342,10 +339,7 @@ def _check_indices(path: Path, column: _Column, least: int, vertex_count: int) -
                 f"{path}: {column.entry(entries[row])} names the vertex {corners[row, corner]}, "
                 f"expected an index in [0, {vertex_count}); the file is damaged"
             )
-
-
-def _shown(name: bytes) -> str:
-    return name.decode(errors="replace")[:40]
+        yield entries, corners
 
 
 def _mapped(path: Path, start: int) -> np.ndarray:
@@ -358,7 +352,7 @@ def _text_as_binary(path: Path, start: int) -> np.ndarray:
     """The words of a text as 64-bit numbers."""
     with path.open("rb") as file:
         head = file.read(start)
-        text = np.frombuffer(file.read().rstrip(_FILLING) + PADDING, dtype=np.uint8)
+        text = np.frombuffer(file.read().rstrip(FILLING) + PADDING, dtype=np.uint8)
     begins = np.flatnonzero(word_begins(text))
     is_whole, odd = number_kinds(text, begins)
     if odd is not None:

@@ -13,6 +13,8 @@ from spheroseg.errors import InputError
 _MOST_DIGITS = 18  # fit into 64 bits
 #: What a text must end with for `whole_numbers`.
 PADDING = bytes(_MOST_DIGITS + 2)
+#: What may follow the end of what a header declares.
+FILLING = b"\0\x1a \t\r\n"
 BLANK, _PLUS, _MINUS, _ZERO, _POINT, _EXPONENT = b" +-0.e"
 _LOWER_CASE = 0x20
 _OF_FIGURES = b" \t\n\v\f\r0123456789+-.eE\0"
@@ -22,9 +24,14 @@ OF_ATOF = re.compile(rb"[+-]?(nan(\(\w*\))?|inf|infinity)(?![!-~])", re.I)
 _MOST_SHOWN = 40
 
 
+def legible(text: bytes) -> str:
+    """What a file says, as messages show it."""
+    return text.decode(errors="replace")[:_MOST_SHOWN]
+
+
 def word_at(text: np.ndarray, place: int) -> str:
     """The word that begins there, as messages show it."""
-    return text[place : place + _MOST_SHOWN].tobytes().split()[0].decode(errors="replace")
+    return legible(text[place : place + _MOST_SHOWN].tobytes().split()[0])
 
 
 def no_number(path: Path, line: int, word: str) -> InputError:

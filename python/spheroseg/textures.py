@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-from itertools import chain
 from pathlib import Path
 
 import pymeshlab
@@ -89,9 +88,9 @@ def _images(source: Path) -> list[tuple[str, list[Path]]]:
     if suffix not in (".obj", ".qobj"):
         return []
     with source.open("rb") as lines:
-        named = [material_libraries(line, source) for line in lines if b"mtllib" in line]
+        naming = b"".join(line for line in lines if b"mtllib" in line)
     images: dict[str, list[Path]] = {}
-    for library in chain.from_iterable(named):
+    for library in material_libraries(naming, source):
         for name in _names(_IN_MTL, content_of(library) or b""):
             # Options stand before the name.
             name = name.split()[-1] if name.startswith("-") else name

@@ -223,6 +223,8 @@ def test_off_files_are_followed_as_pymeshlab_follows_them(outcome, content):
         ("3 0 3 2\n", "+3 0 3 2\n", "line 9: a face has +3 corners"),
         ("3 0 3 2\n", "3 0 3 2 0\n", "line 9: a face has one number behind its corners"),
         ("3 1 2 3\n", "3\n1 2 3 -1\n", "line 10: a face has one number behind its corners"),
+        ("3 1 2 3\n", "3 1 2 3\n\n# end\n3 0 1\n2\n", "goes on with '3 0 1' behind the 4 faces"),
+        ("3 1 2 3\n", "3 1 2 3\n\v\n", "behind the 4 faces that the header declares"),
         ("4 4 6", "4 four 6", "declares four faces"),
         ("0 1 0\n", "# a comment\n0 1,5 0\n", "line 6: '1,5' is no number"),
         ("0 1 0\n", "0 1 0 red\n", "line 5: 'red' is no number"),
