@@ -227,8 +227,8 @@ def _read_numbers(path: str | os.PathLike, name: str) -> np.ndarray:
             if path.suffix.lower() == ".npy":
                 return _read_npy(path)
             return _read_text(path)
-    except (ValueError, EOFError, OverflowError, Warning) as error:
-        raise InputError(f"{path}: is no file of {name}: {error}") from None
+    except (ValueError, Warning) as error:
+        raise InputError(f"{path}: is no file of {name}: {_shortened(str(error))}") from None
 
 
 def _read_text(path: Path) -> np.ndarray:
@@ -270,8 +270,13 @@ def _read_npy(path: Path) -> np.ndarray:
         raise ValueError("it holds several arrays (.npz); one is expected")
     if start != np.lib.format.MAGIC_PREFIX:
         raise ValueError("it does not begin as .npy files do; the name of a text must end in .txt")
-    # Mapped into memory, so that a header that declares more than there is costs no memory.
-    return np.array(np.load(path, mmap_mode="r", allow_pickle=False))
+    try:
+        # Mapped into memory, so that a header that declares more than there is costs no memory.
+        return np.array(np.load(path, mmap_mode="r", allow_pickle=False))
+    except OSError:
+        raise
+    except Exception as error:  # the header is Python, and may fail as Python does
+        raise ValueError(f"numpy can not read it: {error}") from None
 
 
 def save_labels(labels: np.ndarray, path: str | os.PathLike) -> None:
@@ -307,5 +312,9 @@ def _reason(error: Exception, path: Path) -> str:
             "it does not find a name that is not ASCII; import spheroseg before pymeshlab, or set "
             "the environment variable LC_ALL=C.UTF-8"
         )
-    # It may hold the whole file.
+    return _shortened(reason)
+
+
+def _shortened(reason: str) -> str:
+    """It may hold the whole file."""
     return reason if len(reason) <= _LONGEST_REASON else f"{reason[:_LONGEST_REASON]}..."

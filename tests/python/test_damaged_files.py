@@ -1025,6 +1025,8 @@ BAD_LABELS = {
     "objects.npy": npy_bytes("(12,)", 96, "'|O'"),
     "text.npy": npy_bytes("(12,)", 48, "'<U1'"),
     "code.npy": npy_bytes("(12,)", 48, "__import__('os')"),
+    "unclosed.npy": npy_bytes("(12,", 48),
+    "type.npy": npy_bytes("(12,)", 48, "'<i4 i'"),
     "archive.npy": b"PK\x05\x06" + bytes(18),
     "random.npy": random.Random(3).randbytes(500),
     "magic.npy": b"\x93NUMPY\x01\x00" + random.Random(4).randbytes(300),
@@ -1043,6 +1045,22 @@ def test_damaged_labels_are_refused(tmp_path, capsys, little_memory, name):
     assert shown.out == ""
     assert shown.err.count("\n") == 1
     assert shown.err.startswith("spheroseg measure: ")
+
+
+def test_an_npy_with_a_damaged_header_is_read_or_refused(tmp_path):
+    generator = random.Random(6)
+    path = tmp_path / "labels.npy"
+    refused = 0
+    for _ in range(1000):
+        content = bytearray(npy_bytes("(12,)", 48))
+        content[generator.randrange(8, 70)] = generator.randrange(256)
+        path.write_bytes(content)
+        try:
+            mesh_files.read_labels(path)
+        except InputError as error:
+            assert str(error).startswith(f"{path}: is no file of labels: ")
+            refused += 1
+    assert refused > 500
 
 
 @pytest.mark.parametrize(
