@@ -235,6 +235,14 @@ def shortcomings(measures: dict[str, Any], balance: str = "triangle_count") -> s
     return ", ".join(found)
 
 
+def can_be_balanced(measures: dict[str, Any]) -> bool:
+    """False where no cut of the mesh into so many connected sub-meshes has triangle counts that
+    differ by at most one, as far as its segmentation has found out."""
+    return measures["best_max_triangle_count_difference"] <= 1 and measures.get(
+        "may_be_balanced", True
+    )
+
+
 def forget_prepared_mesh() -> None:
     """Makes the next call one on a mesh that the plugin has not seen, for a fair stop watch.
 

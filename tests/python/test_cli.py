@@ -65,9 +65,29 @@ def test_a_result_that_is_not_balanced_is_one_warning(run, star, tmp_path):
         "the mesh hang on the rest by single edges)\n",
     )
     assert run("segment", star, "-k", 4, "-q") == (0, "", "")
-    for k, told in ((2, "(1 not balanced within a triangle, in pieces or with bowties)"), (4, "")):
-        code, said, _ = run("batch", star, "-k", k, "-o", tmp_path / f"out{k}")
-        assert (code, said.split(";")[0].strip()) == (0, f"1 of 1 meshes done {told}".strip())
+
+
+def test_a_batch_tells_of_results_that_are_not_balanced_and_of_those_that_can_not_be(
+    run, star, tmp_path
+):
+    beside = tmp_path / "beside.off"  # two triangles, and one: by its components 2 to 1
+    places = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n5 5 5\n6 5 5\n5 6 5\n"
+    beside.write_text(f"OFF\n7 3 0\n{places}3 0 1 2\n3 1 3 2\n3 4 5 6\n")
+    further = tmp_path / "further.off"  # the star, and one triangle: 4 to 1
+    text = star.read_text().replace("6 4 0", "9 5 0")
+    further.write_text(text.replace("3 0 1 2", "5 5 5\n6 5 5\n5 6 5\n3 0 1 2") + "3 6 7 8\n")
+    short = "not balanced within a triangle, in pieces or with bowties"
+    pairs = ("-k", 60, "--method", "all_pairs", *FEW)
+    for name, meshes, options, told in (
+        ("tree", [star], ("-k", 2), f" (1 {short}; 1 of these can not be balanced)"),
+        ("even", [star, beside], ("-k", 2), f" (1 {short}; 1 of these can not be balanced)"),
+        ("sizes", [star, further], ("-k", 2), f" (2 {short}; 2 of these can not be balanced)"),
+        ("pieces", [LEAF], pairs, f" (1 {short})"),
+        ("none", [star], ("-k", 4), ""),
+    ):
+        code, said, _ = run("batch", *meshes, *options, "-o", tmp_path / name)
+        done = f"{len(meshes)} of {len(meshes)} meshes done{told}"
+        assert (code, said) == (0, f"{done}; {tmp_path / name / 'manifest.csv'}\n")
 
 
 def test_split_and_export_warn_of_what_the_segmentation_that_they_make_has(run, star, tmp_path):

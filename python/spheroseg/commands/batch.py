@@ -101,15 +101,21 @@ def _run(arguments, jobs: list[Job], workers: int, client) -> int:
     if lost:
         complain(f"spheroseg batch: {lost}; go on with --resume")
     finished = [record for record in records if record["status"] == "done"]
-    short_count = sum(
-        bool(api.shortcomings(record["measures"], record["settings"]["options"]["balance"]))
-        for record in finished
-    )
-    short = f" ({short_count} not balanced within a triangle, in pieces or with bowties)"
-    print(
-        f"{len(finished)} of {len(records)} meshes done{short if short_count else ''}; {manifest}"
-    )
+    print(f"{len(finished)} of {len(records)} meshes done{_short(finished)}; {manifest}")
     return 0 if len(finished) == len(records) else 1
+
+
+def _short(finished: list[dict]) -> str:
+    """How many results fall short of what `fast` aims at, in brackets; empty for none."""
+    short = [
+        record["measures"]
+        for record in finished
+        if api.shortcomings(record["measures"], record["settings"]["options"]["balance"])
+    ]
+    hopeless = sum(not api.can_be_balanced(measures) for measures in short)
+    of_these = f"; {hopeless} of these can not be balanced" if hopeless else ""
+    text = f" ({len(short)} not balanced within a triangle, in pieces or with bowties{of_these})"
+    return text if short else ""
 
 
 def _jobs(arguments) -> tuple[list[Job], int]:
