@@ -8,8 +8,8 @@ Usage: .venv/bin/pip install nibabel; .venv/bin/python scripts/meshes_of_others.
 Fetches Python packages that bring meshes along (parts of robots from CAD, scans, surfaces of
 brains), about 600 MB, and writes into FOLDER: `meshes`, all mesh files of different content;
 `results`, a batch of them at k = 20; `large`, links to those of one component and at least 10,000
-triangles that it cut, one of each name; `bench`, the benchmark and the sweep over k on these. What
-is there is not done again.
+triangles that it cut, one of each number of triangles, since what is connected alike is cut alike;
+`bench`, the benchmark and the sweep over k on these. What is there is not fetched again.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ PACKAGES = (
     "tvb-data==3.0.0",
 )
 # Of the surfaces of brains in GIFTI files; others are these again, made flat or round.
-SURFACES = ("pia", "wm", "midthickness", "conte69_32k_lh.gii", "conte69_32k_rh.gii", "cortex")
+SURFACES = ("pia", "midthickness", "conte69_32k_lh.gii", "conte69_32k_rh.gii", "cortex")
 SUBMESH_COUNT = "20"
 LEAST_TRIANGLES = 10_000
 METHODS = "fast_standard,fast_high,metis_kway,metis_recursive,mtkahypar_quality"
@@ -100,15 +100,18 @@ def run(*arguments: str | Path) -> None:
 
 
 def link_large_ones(manifest: Path, large: Path) -> None:
-    large.mkdir(exist_ok=True)
+    shutil.rmtree(large, ignore_errors=True)
+    large.mkdir()
+    known = set()
     with manifest.open(newline="") as lines:
         for row in csv.DictReader(lines):
-            is_one = row["status"] == "done" and row["component_count"] == "1"
-            mesh = Path(row["mesh"]).resolve()
-            link = large / f"{PREFIX}{mesh.stem.lower()}{mesh.suffix.lower()}"
-            is_new = not list(large.glob(f"{PREFIX}{mesh.stem.lower()}.*"))
-            if is_one and is_new and int(row["triangle_count"]) >= LEAST_TRIANGLES:
-                link.symlink_to(mesh)
+            if row["status"] != "done" or row["component_count"] != "1":
+                continue
+            triangles = int(row["triangle_count"])
+            if triangles >= LEAST_TRIANGLES and triangles not in known:
+                known.add(triangles)
+                mesh = Path(row["mesh"]).resolve()
+                (large / f"{PREFIX}{len(known):02}_{mesh.name}").symlink_to(mesh)
 
 
 def main() -> int:
@@ -121,7 +124,7 @@ def main() -> int:
         unpack(folder / "packages", meshes)
     run("spheroseg", "batch", meshes, "-o", results, "-k", SUBMESH_COUNT, "--resume")
     link_large_ones(results / "manifest.csv", large)
-    bench = ["spheroseg.bench", "--samples", large, "--more-meshes", large, "--repeats", "1"]
+    bench = ["spheroseg.bench", "--samples", "none", "--more-meshes", large, "--repeats", "1"]
     bench += ["--meshes", f"{PREFIX}*", "--methods", METHODS, "--output", folder / "bench"]
     run(*bench)
     run(*bench, "--validity-sweep")

@@ -2,7 +2,8 @@
 """Processes that do the work of a command: they end with the process that started them, say what
 they found in lines of JSON, and leave a reason where they fail.
 
-A worker is a module whose main function is `serve`; the other side calls `results`.
+A worker is a module whose main function is `serve`; the other side calls `results`. Where each task
+needs a process of its own, it is `nurse`; the other side has a `Nursery`.
 """
 
 import collections
@@ -14,9 +15,10 @@ import signal
 import subprocess
 import sys
 import tempfile
+import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NoReturn
 
 from spheroseg import atomic
 from spheroseg.errors import InputError, one_line
@@ -86,8 +88,56 @@ def _fed(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen
             raise
 
 
-def start(module: str, stderr: IO | int) -> subprocess.Popen:
-    """Starts `python -m module`, which calls `end_with` its argument; a pipe each way, of text."""
+class Nursery:
+    """A process that runs `python -m module`, whose main function is `nurse`: it imports what jobs
+    need, which takes longer than a small job, and is forked for each of them. It begins with the
+    first job, and ends with the thread that had it; one that was ended is replaced for the next
+    job. For one thread at a time. To be closed.
+    """
+
+    def __init__(self, module: str):
+        self._module = module
+        self._process: subprocess.Popen | None = None
+
+    def run(self, job: str) -> subprocess.CompletedProcess:
+        """Does a job, of one line; with the exit code and stderr of its process, or of the nursery
+        where that has ended."""
+        if self._process is None:
+            # With the threads of a library a fork would not be safe.
+            alone = {"OPENBLAS_NUM_THREADS": "1"}
+            self._process = start(self._module, subprocess.PIPE, alone)
+        process = self._process
+        with contextlib.suppress(BrokenPipeError):
+            print(job, file=process.stdin, flush=True)
+        line = process.stdout.readline()
+        answer = _message(line) if line.endswith("\n") else None
+        if answer and answer.keys() == {"returncode", "stderr"}:
+            return subprocess.CompletedProcess(process.args, **answer)
+        if line:
+            process.kill()  # What follows might be taken for the answer to another job.
+        self._process = None
+        _, complained = process.communicate()
+        return subprocess.CompletedProcess(process.args, process.returncode, stderr=complained)
+
+    def send_signal(self, number: int) -> None:
+        """Sends it to the nursery, which passes SIGINT on, and with which the job ends."""
+        process = self._process
+        if process is not None:
+            process.send_signal(number)
+
+    def close(self) -> None:
+        if self._process is not None:
+            with self._process:  # ends when it gets no more jobs
+                self._process = None
+
+
+def start(
+    module: str, stderr: IO | int, variables: dict[str, str] | None = None
+) -> subprocess.Popen:
+    """Starts `python -m module`, which calls `end_with` its argument; a pipe each way, of text.
+
+    `variables`: of the environment, besides its own.
+    """
     return subprocess.Popen(
         # -P: no module of the folder where the command runs, whatever its name.
         [sys.executable, "-P", "-m", module, str(os.getpid())],
@@ -97,7 +147,7 @@ def start(module: str, stderr: IO | int) -> subprocess.Popen:
         # Not by the locale, and what is said of a failure can always be read.
         encoding="utf-8",
         errors="replace",
-        env=package_environment() | {"PYTHONIOENCODING": "utf-8"},
+        env=package_environment() | {"PYTHONIOENCODING": "utf-8"} | (variables or {}),
     )
 
 
@@ -141,6 +191,61 @@ def serve(prepare: Callable[[Message], tuple[Message, Callable[[Message], Messag
             result = {"status": "failed", "error": explained(error)}
         print(json.dumps(result), file=channel, flush=True)
     return 0
+
+
+def nurse(do: Callable[[str], int]) -> int:
+    """The main function of the module of a nursery; its argument is the id of the process that
+    started it. `do` gets a job in a process of its own, and returns the exit code of that one.
+
+    What the process writes to stderr or stdout is part of the answer. A SIGINT is for the job.
+    """
+    end_with(int(sys.argv[1]))
+    channel = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    of_interrupts = signal.getsignal(signal.SIGINT)
+    child = 0
+
+    def pass_on(number: int, _) -> None:
+        if child:
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                os.kill(child, number)
+
+    if of_interrupts != signal.SIG_IGN:
+        signal.signal(signal.SIGINT, pass_on)
+    for job in sys.stdin:
+        said, complaints = os.pipe()
+        nursery = os.getpid()
+        child = os.fork()
+        if child == 0:
+            signal.signal(signal.SIGINT, of_interrupts)
+            channel.close()
+            os.close(said)
+            _do_and_end(do, job, nursery, complaints)
+        os.close(complaints)
+        with os.fdopen(said, encoding="utf-8", errors="replace") as lines:
+            complained = lines.read()
+        status = os.waitpid(child, 0)[1]
+        child = 0
+        answer = {"returncode": os.waitstatus_to_exitcode(status), "stderr": complained}
+        print(json.dumps(answer), file=channel, flush=True)
+    return 0
+
+
+def _do_and_end(do: Callable[[str], int], job: str, parent: int, complaints: int) -> NoReturn:
+    """All that a process that was forked does, and its end."""
+    code = 1
+    try:
+        end_with(parent)
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        os.dup2(complaints, 1)
+        os.dup2(complaints, 2)
+        code = do(job)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
 
 
 def end_with(parent: int) -> None:

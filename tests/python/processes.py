@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Processes that run Python with this package, and what they are doing."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -58,9 +59,16 @@ def children(process_id):
     return {int(child) for path in found for child in read_or_nothing(path).split()}
 
 
-def has_plugin(process_ids):
-    maps = [Path(f"/proc/{process_id}/maps") for process_id in process_ids]
-    return any("libfilter_spheroseg" in read_or_nothing(path) for path in maps)
+def jobs_of(batch):
+    """The processes of the jobs of a batch, from when on they would end with their nursery, and
+    have no input."""
+    return {job for nursery in children(batch) for job in children(nursery) if _has_no_input(job)}
+
+
+def _has_no_input(process_id):
+    with contextlib.suppress(OSError):  # it may have ended
+        return str(Path(f"/proc/{process_id}/fd/0").readlink()) == os.devnull
+    return False
 
 
 def is_filter_running():

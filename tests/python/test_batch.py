@@ -21,13 +21,7 @@ import pymeshlab
 import pytest
 from batches import rows, run_batch, start_batch, wait_for_records, write_finned, write_mesh
 from colours import bytes_of_linear
-from processes import (
-    children,
-    has_plugin,
-    is_running,
-    run_shell,
-    wait_until,
-)
+from processes import children, is_running, jobs_of, run_shell, wait_until
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
@@ -125,8 +119,8 @@ def test_no_process_outlives_a_killed_batch(tmp_path):
     process = start_batch(tmp_path / "a.ply", "-o", tmp_path / "out", *options)
     workers = set()
     try:
-        wait_until(lambda: has_plugin(children(process.pid)))
-        workers = children(process.pid)
+        wait_until(lambda: jobs_of(process.pid))
+        workers = children(process.pid) | jobs_of(process.pid)
         process.kill()
         process.communicate()
         wait_until(lambda: not any(map(is_running, workers)))
@@ -695,16 +689,16 @@ def test_names_of_failed_meshes_need_no_certain_encoding(encoding, tmp_path, mon
     assert "größe" in rows(tmp_path / "out")[1]["error"]
 
 
-def test_a_damaged_record_costs_only_its_mesh(tmp_path, monkeypatch):
+def test_a_damaged_record_costs_only_its_mesh(tmp_path):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
 
-    def work(_):
-        job.record_path().parent.mkdir()
-        job.record_path().write_bytes(b"\xff")
-        return subprocess.CompletedProcess(["python", "worker"], 0, "", "")
+    class Place:
+        def run(self, _):
+            job.record_path().parent.mkdir()
+            job.record_path().write_bytes(b"\xff")
+            return subprocess.CompletedProcess(["python", "worker"], 0, "", "")
 
-    monkeypatch.setattr(jobs, "_run_worker", work)
-    assert jobs.run_job(job)["status"] == "failed"
+    assert jobs.run_job(job, Place())["status"] == "failed"
 
 
 def ply_colours(path: Path) -> set[tuple]:
@@ -898,25 +892,18 @@ def test_missing_packages_are_said_together(tmp_path, monkeypatch, capsys):
     assert "pip install 'spheroseg[batch,export]'" in said
 
 
-def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path, monkeypatch):
+def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path), {}, (".ply",), {})
-    dead = subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
-    monkeypatch.setattr(jobs, "_run_worker", lambda _: dead)
+
+    class Place:
+        def run(self, _):
+            return subprocess.CompletedProcess(["python", "worker"], -signal.SIGSEGV, "", "")
+
     jobs.store(job, jobs.failed_record(job, "", status="done"))  # of an earlier run
-    record = jobs.run_job(job)
+    record = jobs.run_job(job, Place())
     assert record["status"] == "failed"
     assert "signal 11" in record["error"]
     assert json.loads(job.record_path().read_text()) == record
-
-
-def run_worker(job: jobs.Job, parent: int) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "spheroseg.batch.worker", str(parent)],
-        input=json.dumps(dataclasses.asdict(job)),
-        capture_output=True,
-        text=True,
-        env=workers.package_environment(),
-    )
 
 
 def test_process_whose_parent_has_ended_does_nothing(tmp_path):
@@ -925,8 +912,14 @@ def test_process_whose_parent_has_ended_does_nothing(tmp_path):
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), *settings)
     with subprocess.Popen(["true"]) as ended:
         pass
-    done = run_worker(job, ended.pid)
-    assert (done.returncode, done.stderr) == (1, "")
+    done = subprocess.run(
+        [sys.executable, "-m", "spheroseg.batch.worker", str(ended.pid)],
+        input=json.dumps(dataclasses.asdict(job)) + "\n",
+        capture_output=True,
+        text=True,
+        env=workers.package_environment(),
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
     assert not (tmp_path / "out").exists()
 
 
@@ -934,11 +927,28 @@ def test_a_worker_of_another_version_does_nothing(tmp_path):
     write_mesh(tmp_path / "a.ply")
     settings = {}, (".npy",), jobs.versions() | {"spheroseg": "0.0.9"}
     job = jobs.Job(str(tmp_path / "a.ply"), "a", str(tmp_path / "out"), *settings)
-    done = run_worker(job, os.getpid())
+    with jobs.nursery() as place:
+        done = place.run(json.dumps(dataclasses.asdict(job)))
     assert done.returncode == 1
     assert f"has spheroseg {spheroseg.__version__} instead of 0.0.9;" in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_the_meshes_of_a_batch_are_done_in_processes_of_few_nurseries(tmp_path, monkeypatch):
+    started = []
+
+    def start(*arguments, begin=workers.start):
+        started.append(arguments[0])
+        return begin(*arguments)
+
+    monkeypatch.setattr(workers, "start", start)
+    for i in range(6):
+        write_mesh(tmp_path / "in" / f"{i}.ply", seed=i)
+    arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "4"]
+    assert main([*arguments, "--workers", "2"]) == 0
+    assert 1 <= len(started) <= 2
+    assert set(started) == {"spheroseg.batch.worker"}
 
 
 def test_names_of_failed_meshes_are_shown_as_they_are(tmp_path, capsys):

@@ -269,8 +269,9 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
     assert main([*arguments, "-k", "3"]) == 0
     (tmp_path / "own_disk.py").write_text(
         "import dataclasses\nfrom spheroseg.batch import jobs\n"
-        "def run_job(job, run=jobs.run_job):\n"
-        f"    return run(dataclasses.replace(job, folder={str(tmp_path / 'elsewhere')!r}))\n"
+        "def run_job(job, place, run=jobs.run_job):\n"
+        f"    folder = {str(tmp_path / 'elsewhere')!r}\n"
+        "    return run(dataclasses.replace(job, folder=folder), place)\n"
         "jobs.run_job = run_job\n"
     )
     monkeypatch.setattr(runner, "_ARRIVAL_SECONDS", 0.5, raising=False)
@@ -290,8 +291,8 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
     [
         (
             "import dataclasses\nfrom spheroseg.batch import jobs\n"
-            "def run_job(job, run=jobs.run_job):\n"
-            "    return run(dataclasses.replace(job, mesh='/nowhere/a.ply'))\n"
+            "def run_job(job, place, run=jobs.run_job):\n"
+            "    return run(dataclasses.replace(job, mesh='/nowhere/a.ply'), place)\n"
             "jobs.run_job = run_job\n",
             "no such file on {host}, but here: each worker must see it, too",
         ),
@@ -334,7 +335,8 @@ def test_a_mesh_that_is_done_stays_so_when_its_workers_die_with_others(tmp_path,
     both = [
         jobs.Job(str(tmp_path / "a.ply"), name, str(tmp_path / "out"), *settings) for name in "ab"
     ]
-    jobs.run_job(both[0])
+    with jobs.nursery() as place:
+        jobs.run_job(both[0], place)
     done, failed = runner._on_dask(both, Client(), "tcp://host:1", print)
     assert (done["name"], done["status"], done["error"]) == ("a", "done", "")
     assert (failed["name"], failed["status"]) == ("b", "failed")

@@ -9,11 +9,10 @@ import subprocess
 import sys
 import threading
 import time
-from pathlib import Path
 
 import pytest
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
-from processes import children, has_plugin, is_running, read_or_nothing, wait_until
+from processes import children, is_running, jobs_of, wait_until
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
@@ -324,9 +323,9 @@ def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
         env=ENVIRONMENT,
         start_new_session=True,
     )
-    wait_until(lambda: children(process.pid))
-    first = children(process.pid)
-    wait_until(lambda: has_plugin(children(process.pid) - first))
+    wait_until(lambda: jobs_of(process.pid))
+    first = jobs_of(process.pid)
+    wait_until(lambda: jobs_of(process.pid) - first)
     send(process.pid, signal.SIGINT)
     said, complained = process.communicate()
     assert (process.returncode, said) == (130, "")
@@ -358,14 +357,14 @@ def interrupted_twice(job):
 
 worker.Job = dict
 worker._check_versions = interrupted_twice
-sys.exit(worker.main())
+sys.exit(worker.do('{}'))
 """
 
 
 def test_an_interrupt_between_two_results_of_a_batch_ends_what_runs(monkeypatch):
     began, ended = threading.Event(), threading.Event()
 
-    def run_job(job):
+    def run_job(job, place):
         if job.name == "slow":
             began.set()
             ended.wait(20)
@@ -395,13 +394,9 @@ def test_a_second_ctrl_c_leaves_no_worker_that_does_not_hear_of_the_first(tmp_pa
         env=ENVIRONMENT,
     )
 
-    # A child that has not become the worker yet has the mappings of its parent, which waits for
-    # it: to stop it would stop both.
-    def is_worker(child: int) -> bool:
-        return "batch.worker" in read_or_nothing(Path(f"/proc/{child}/cmdline"))
-
-    wait_until(lambda: any(map(is_worker, found := children(process.pid))) and has_plugin(found))
-    (worker,) = children(process.pid)
+    wait_until(lambda: jobs_of(process.pid))
+    (nursery,) = children(process.pid)
+    (worker,) = jobs_of(process.pid)
     os.kill(worker, signal.SIGSTOP)  # as one that waits for a disk
     try:
         for _ in range(2):
@@ -411,13 +406,14 @@ def test_a_second_ctrl_c_leaves_no_worker_that_does_not_hear_of_the_first(tmp_pa
     finally:
         process.kill()
     assert (process.returncode, complained) == (130, "spheroseg batch: interrupted\n")
-    assert not is_running(worker)
+    assert not is_running(nursery)
+    wait_until(lambda: not is_running(worker), seconds=5)
 
 
 def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():
     done = subprocess.run(
-        [sys.executable, "-c", WORKER, str(os.getpid())],
-        input="{}",
+        [sys.executable, "-c", WORKER],
+        stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
         env=ENVIRONMENT,

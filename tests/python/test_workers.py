@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import contextlib
+import json
+import os
 import signal
 import subprocess
 import sys
 import time
+from concurrent import futures
 from pathlib import Path
 
 import pytest
@@ -115,6 +119,92 @@ def test_a_worker_whose_results_nobody_wants_any_more_is_ended(tmp_path):
     found.close()
     assert time.monotonic() - began < 30
     assert not is_running(int(mark.read_text()))
+
+
+@pytest.fixture
+def nursery():
+    with contextlib.closing(workers.Nursery("odd_nursery")) as found:
+        yield found
+
+
+def run(nursery, **job):
+    """Exit code, reason, and the processes of the job and of its nursery."""
+    done = nursery.run(json.dumps(job))
+    process, parent = map(int, done.stderr.split()[:2])
+    return done.returncode, workers.failure_reason(done.returncode, done.stderr), process, parent
+
+
+def test_each_job_of_a_nursery_has_a_process_of_its_own(nursery):
+    endings = [
+        ({}, 0, None),
+        ({"code": 4}, 4, None),
+        ({"raise": "key"}, 1, "KeyError: 'k'"),
+        ({"exit": 3}, 3, "the last line"),
+        ({"signal": signal.SIGKILL}, -signal.SIGKILL, "the process was ended by signal 9"),
+        ({"print": "of a library"}, 0, "of a library"),
+        ({}, 0, None),
+    ]
+    found = [run(nursery, **job) for job, _, _ in endings]
+    for (code, reason, _, _), (_, expected, expected_reason) in zip(found, endings, strict=True):
+        assert code == expected
+        assert expected_reason is None or reason.startswith(expected_reason)
+    processes, parents = ({one[i] for one in found} for i in (2, 3))
+    assert len(processes) == len(endings)
+    assert len(parents) == 1
+    assert not any(map(is_running, processes))
+    assert all(map(is_running, parents))
+    nursery.close()
+    assert not any(map(is_running, parents))
+
+
+def test_a_job_of_a_nursery_has_an_empty_stdin_and_may_say_much(nursery):
+    done = nursery.run(json.dumps({"length": 1_000_000}))
+    assert done.stderr.split()[2] == "''"
+    assert len(done.stderr) > 1_000_000
+
+
+def test_a_nursery_that_was_ended_is_replaced(nursery):
+    process = run(nursery)[3]
+    os.kill(process, signal.SIGKILL)
+    wait_until(lambda: not is_running(process))
+    done = nursery.run("{}")
+    assert (done.returncode, done.stderr) == (-signal.SIGKILL, "")
+    code, _, _, another = run(nursery)
+    assert (code, another != process) == (0, True)
+
+
+def test_a_nursery_that_can_not_begin_says_why():
+    with contextlib.closing(workers.Nursery("no_such_module")) as nursery:
+        for _ in range(2):
+            done = nursery.run("{}")
+            assert done.returncode == 1
+            assert done.stderr.endswith("No module named no_such_module\n")
+
+
+@pytest.mark.parametrize("greeting", ["welcome\n", "{}", "{}\n", "7\n"])
+def test_what_a_library_prints_is_no_answer_of_a_nursery(nursery, monkeypatch, greeting):
+    monkeypatch.setenv("GREETING", greeting)
+    done = nursery.run("{}")
+    assert (done.returncode, done.stderr) == (-signal.SIGKILL, "")
+    monkeypatch.delenv("GREETING")
+    assert run(nursery)[0] == 0
+
+
+@pytest.mark.parametrize("send", ["signal", "kill"])
+def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, send):
+    mark = tmp_path / "mark"
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
+    first = run(nursery)[3]
+    with futures.ThreadPoolExecutor() as pool:
+        job = pool.submit(nursery.run, json.dumps({"sleep": 60, "mark": str(mark)}))
+        wait_until(lambda: mark.exists() and mark.read_text())
+        nursery.send_signal(signal.SIGINT if send == "signal" else signal.SIGKILL)
+        done = job.result()
+    signal.signal(signal.SIGINT, before)
+    assert done.returncode == (7 if send == "signal" else -signal.SIGKILL)
+    wait_until(lambda: not is_running(int(mark.read_text())), seconds=5)
+    code, _, _, parent = run(nursery)
+    assert (code, parent == first) == (0, send == "signal")
 
 
 @pytest.mark.parametrize("module", ["evaluate", "bench", "batch"])

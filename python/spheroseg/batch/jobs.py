@@ -5,8 +5,9 @@ The record `DIR/.records/NAME.json` is written after all results, so its presenc
 are whole. Everything a run needs to go on after a kill is in these records.
 """
 
+import contextlib
 import json
-import subprocess
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
@@ -22,7 +23,7 @@ RESULT_LIST = f"{RECORD_FOLDER}/.results"
 DISK_FULL_EXIT = 4
 INTERRUPTED_EXIT = 130
 
-_running: set[subprocess.Popen] = set()
+_running: set[workers.Nursery] = set()
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,14 @@ def known_results(folder: Path) -> set[str]:
         return set()  # no such list, or a damaged one
 
 
-def run_job(job: Job) -> dict[str, Any]:
+@contextlib.contextmanager
+def nursery() -> Iterator[workers.Nursery]:
+    """Where `run_job` does one job after the other."""
+    with contextlib.closing(workers.Nursery("spheroseg.batch.worker")) as found:
+        yield found
+
+
+def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
     """Does a job in a process of its own and returns its record; never raises for a bad mesh.
 
     A full disk gives a record with the status `disk_full`, which is not stored; neither is one
@@ -131,7 +139,11 @@ def run_job(job: Job) -> dict[str, Any]:
     """
     try:
         job.record_path().unlink(missing_ok=True)
-        process = _run_worker(json.dumps(asdict(job)))
+        _running.add(place)
+        try:
+            process = place.run(json.dumps(asdict(job)))
+        finally:
+            _running.discard(place)
         # A signal may end a process that is done.
         if job.record_path().exists():
             return json.loads(job.record_path().read_text())
@@ -146,20 +158,10 @@ def run_job(job: Job) -> dict[str, Any]:
         return failed_record(job, str(error))
 
 
-def _run_worker(job: str) -> subprocess.CompletedProcess:
-    with workers.start("spheroseg.batch.worker", stderr=subprocess.PIPE) as process:
-        _running.add(process)
-        try:
-            said, complained = process.communicate(job)
-        finally:
-            _running.discard(process)
-    return subprocess.CompletedProcess(process.args, process.returncode, said, complained)
-
-
 def signal_running(number: int) -> None:
     """Sends a signal to the process of each job that this process runs."""
-    for process in list(_running):
-        process.send_signal(number)
+    for place in list(_running):
+        place.send_signal(number)
 
 
 def store(job: Job, record: dict[str, Any]) -> None:

@@ -9,6 +9,7 @@ import io
 import json
 import logging
 import math
+import queue
 import secrets
 import shlex
 import signal
@@ -29,6 +30,7 @@ from spheroseg.batch.jobs import (
     finished_record,
     is_of_success,
     known_results,
+    nursery,
     remember_results,
     remove_results,
     run_job,
@@ -211,12 +213,23 @@ def _refused_record(job: Job) -> Record | None:
 
 
 def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
+    idle = queue.SimpleQueue()
+
+    def do(job: Job) -> Record:
+        place = idle.get()
+        try:
+            return run_job(job, place)
+        finally:
+            idle.put(place)
+
     # Threads only wait here; each job is a process.
-    with futures.ThreadPoolExecutor(worker_count) as pool:
+    with contextlib.ExitStack() as stack, futures.ThreadPoolExecutor(worker_count) as pool:
+        for _ in range(worker_count):
+            idle.put(stack.enter_context(nursery()))
         submitted = []
         try:
             for job in jobs:
-                submitted.append(pool.submit(run_job, job))
+                submitted.append(pool.submit(do, job))
             for future in futures.as_completed(submitted):
                 yield future.result()
         except KeyboardInterrupt:
@@ -292,10 +305,11 @@ def _on_dask(
 
         host = socket.gethostname()
         try:
-            from spheroseg.batch.jobs import Job, run_job
+            from spheroseg.batch.jobs import Job, nursery, run_job
         except ImportError as error:
             raise ImportError(f"on {host}: {error}") from None  # PluginError does not travel
-        return run_job(Job(**job)) | {"host": host}
+        with nursery() as place:
+            return run_job(Job(**job), place) | {"host": host}
 
     def on_idle() -> None:
         on_hint(

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process of one job: reads it as JSON from stdin, writes results and, last, the record.
-
-Its argument is the id of the process that started it, with which it ends.
+"""The process of one job, which is JSON: writes results and, last, the record.
 
 Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full, 130
 interrupted.
@@ -30,13 +28,12 @@ from spheroseg.errors import InputError, PluginError, one_line
 from spheroseg.export import glb_bytes, npz_bytes
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
-from spheroseg.workers import end_with
+from spheroseg.workers import nurse
 
 
-def main() -> int:
-    end_with(int(sys.argv[1]))
+def do(text: str) -> int:
     _be_interrupted_once()
-    job = Job(**json.load(sys.stdin))
+    job = Job(**json.loads(text))
     try:
         _check_versions(job)
         record = _record(job)
@@ -124,4 +121,4 @@ def _be_interrupted_once() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(nurse(do))

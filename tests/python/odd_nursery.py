@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A nursery (spheroseg.workers) whose jobs are what its processes must live through."""
+
+import json
+import os
+import sys
+
+import odd_worker
+
+from spheroseg import workers
+
+
+def do(job):
+    task = json.loads(job)
+    print(os.getpid(), os.getppid(), repr(sys.stdin.read()), flush=True)
+    print("x" * task.get("length", 0), file=sys.stderr)
+    try:
+        odd_worker.do(task)
+    except KeyboardInterrupt:
+        return 7
+    return task.get("code", 0)
+
+
+if __name__ == "__main__":
+    print(end=os.environ.get("GREETING", ""))  # as a library that is imported might
+    sys.exit(workers.nurse(do))
