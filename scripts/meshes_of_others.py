@@ -125,8 +125,8 @@ def main() -> int:
     run("spheroseg", "batch", meshes, "-o", results, "-k", SUBMESH_COUNT, "--resume")
     link_large_ones(results / "manifest.csv", large)
     bench = ["spheroseg.bench", "--samples", "none", "--more-meshes", large, "--repeats", "1"]
-    bench += ["--meshes", f"{PREFIX}*", "--methods", METHODS, "--output", folder / "bench"]
-    run(*bench)
+    bench += ["--meshes", f"{PREFIX}*", "--output", folder / "bench"]
+    run(*bench, "--methods", METHODS)
     run(*bench, "--validity-sweep")
     return 0
 
