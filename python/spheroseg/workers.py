@@ -9,6 +9,7 @@ needs a process of its own, it is `nurse`; the other side has a `Nursery`.
 import collections
 import contextlib
 import ctypes
+import functools
 import json
 import os
 import signal
@@ -217,10 +218,9 @@ def nurse(do: Callable[[str], int]) -> int:
         nursery = os.getpid()
         child = os.fork()
         if child == 0:
-            signal.signal(signal.SIGINT, of_interrupts)
             channel.close()
             os.close(said)
-            _do_and_end(do, job, nursery, complaints)
+            _end_after(functools.partial(do, job), of_interrupts, nursery, complaints)
         os.close(complaints)
         with os.fdopen(said, encoding="utf-8", errors="replace") as lines:
             complained = lines.read()
@@ -231,15 +231,21 @@ def nurse(do: Callable[[str], int]) -> int:
     return 0
 
 
-def _do_and_end(do: Callable[[str], int], job: str, parent: int, complaints: int) -> NoReturn:
-    """All that a process that was forked does, and its end."""
+def _end_after(
+    work: Callable[[], int], of_interrupts: Any, parent: int, complaints: int
+) -> NoReturn:
+    """All that a process that was forked does, and its end: `work` returns the exit code.
+
+    `of_interrupts`: its handler of SIGINT.
+    """
     code = 1
     try:
         end_with(parent)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(complaints, 1)
         os.dup2(complaints, 2)
-        code = do(job)
+        signal.signal(signal.SIGINT, of_interrupts)
+        code = work()
     except BaseException:
         traceback.print_exc()
     finally:
