@@ -69,9 +69,12 @@ def unpack(packages: Path, meshes: Path) -> None:
             for path in sorted(Path(folder).rglob("*")):
                 is_mesh = path.suffix.lower() in MESH_SUFFIXES
                 is_surface = ".gii" in path.suffixes and any(name in path.name for name in SURFACES)
-                if not path.is_file() or not (is_mesh or is_surface) or sha256(path) in known:
+                if not path.is_file() or not (is_mesh or is_surface):
                     continue
-                known.add(sha256(path))
+                digest = sha256(path)
+                if digest in known:
+                    continue
+                known.add(digest)
                 place = meshes / package / path.relative_to(folder)
                 place.parent.mkdir(parents=True, exist_ok=True)
                 if is_mesh:
@@ -120,8 +123,11 @@ def main() -> int:
     folder = Path(sys.argv[1])
     meshes, results, large = (folder / name for name in ("meshes", "results", "large"))
     if not meshes.exists():
+        half = folder / "meshes.part"
+        shutil.rmtree(half, ignore_errors=True)
         fetch(folder / "packages")
-        unpack(folder / "packages", meshes)
+        unpack(folder / "packages", half)
+        half.rename(meshes)
     run("spheroseg", "batch", meshes, "-o", results, "-k", SUBMESH_COUNT, "--resume")
     link_large_ones(results / "manifest.csv", large)
     bench = ["spheroseg.bench", "--samples", "none", "--more-meshes", large, "--repeats", "1"]
