@@ -120,8 +120,15 @@ class Nursery:
         _, complained = process.communicate()
         return subprocess.CompletedProcess(process.args, process.returncode, stderr=complained)
 
-    def send_signal(self, number: int) -> None:
-        """Sends it to the nursery, which passes SIGINT on, and with which the job ends."""
+    def interrupt(self) -> None:
+        """Sends SIGINT to the process of the job that runs, if one does."""
+        self._send(signal.SIGINT)
+
+    def kill(self) -> None:
+        """Ends the process of the job that runs, if one does, at once."""
+        self._send(signal.SIGTERM)
+
+    def _send(self, number: int) -> None:
         process = self._process
         if process is not None:
             process.send_signal(number)
@@ -198,20 +205,22 @@ def nurse(do: Callable[[str], int]) -> int:
     """The main function of the module of a nursery; its argument is the id of the process that
     started it. `do` gets a job in a process of its own, and returns the exit code of that one.
 
-    What the process writes to stderr or stdout is part of the answer. A SIGINT is for the job.
+    What the process writes to stderr or stdout is part of the answer. A SIGINT is for the job, and
+    a SIGTERM kills it: who waits for the answer then knows that it has ended.
     """
     end_with(int(sys.argv[1]))
     channel = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
-    of_interrupts = signal.getsignal(signal.SIGINT)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     child = 0
 
     def pass_on(number: int, _) -> None:
         if child:
             with contextlib.suppress(ProcessLookupError):  # it has just ended
-                os.kill(child, number)
+                os.kill(child, signal.SIGKILL if number == signal.SIGTERM else number)
 
-    if of_interrupts != signal.SIG_IGN:
+    signal.signal(signal.SIGTERM, pass_on)
+    if handlers[signal.SIGINT] != signal.SIG_IGN:
         signal.signal(signal.SIGINT, pass_on)
     for job in sys.stdin:
         said, complaints = os.pipe()
@@ -220,7 +229,7 @@ def nurse(do: Callable[[str], int]) -> int:
         if child == 0:
             channel.close()
             os.close(said)
-            _end_after(functools.partial(do, job), of_interrupts, nursery, complaints)
+            _end_after(functools.partial(do, job), handlers, nursery, complaints)
         os.close(complaints)
         with os.fdopen(said, encoding="utf-8", errors="replace") as lines:
             complained = lines.read()
@@ -232,11 +241,11 @@ def nurse(do: Callable[[str], int]) -> int:
 
 
 def _end_after(
-    work: Callable[[], int], of_interrupts: Any, parent: int, complaints: int
+    work: Callable[[], int], handlers: dict[int, Any], parent: int, complaints: int
 ) -> NoReturn:
     """All that a process that was forked does, and its end: `work` returns the exit code.
 
-    `of_interrupts`: its handler of SIGINT.
+    `handlers`: of signals, for `work`.
     """
     code = 1
     try:
@@ -244,7 +253,8 @@ def _end_after(
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(complaints, 1)
         os.dup2(complaints, 2)
-        signal.signal(signal.SIGINT, of_interrupts)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         code = work()
     except BaseException:
         traceback.print_exc()

@@ -16,6 +16,7 @@ from processes import children, is_running, jobs_of, wait_until
 from shapes import bumpy_sphere
 from terminal import read_terminal
 
+from spheroseg import workers
 from spheroseg.batch import jobs, runner
 from spheroseg.ply import ply_bytes
 
@@ -375,7 +376,7 @@ def test_an_interrupt_between_two_results_of_a_batch_ends_what_runs(monkeypatch)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(runner, "run_job", run_job)
-    monkeypatch.setattr(runner, "signal_running", lambda number: ended.set())
+    monkeypatch.setattr(workers.Nursery, "interrupt", lambda _: ended.set())
     both = [jobs.Job("a.ply", name, "out", {}, (), {}) for name in ("quick", "slow")]
     with pytest.raises(KeyboardInterrupt):
         runner.run_all(both, interrupt, resume=False, worker_count=2, on_hint=print)
@@ -406,8 +407,7 @@ def test_a_second_ctrl_c_leaves_no_worker_that_does_not_hear_of_the_first(tmp_pa
     finally:
         process.kill()
     assert (process.returncode, complained) == (130, "spheroseg batch: interrupted\n")
-    assert not is_running(nursery)
-    wait_until(lambda: not is_running(worker), seconds=5)
+    assert not any(map(is_running, (nursery, worker)))
 
 
 def test_a_second_ctrl_c_does_not_disturb_what_a_worker_of_batch_cleans_up():

@@ -190,21 +190,37 @@ def test_what_a_library_prints_is_no_answer_of_a_nursery(nursery, monkeypatch, g
     assert run(nursery)[0] == 0
 
 
-@pytest.mark.parametrize("send", ["signal", "kill"])
-def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, send):
+@pytest.mark.parametrize(("send", "code"), [("interrupt", 7), ("kill", -signal.SIGKILL)])
+def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, send, code):
     mark = tmp_path / "mark"
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
     first = run(nursery)[3]
     with futures.ThreadPoolExecutor() as pool:
         job = pool.submit(nursery.run, json.dumps({"sleep": 60, "mark": str(mark)}))
         wait_until(lambda: mark.exists() and mark.read_text())
-        nursery.send_signal(signal.SIGINT if send == "signal" else signal.SIGKILL)
+        getattr(nursery, send)()
         done = job.result()
     signal.signal(signal.SIGINT, before)
-    assert done.returncode == (7 if send == "signal" else -signal.SIGKILL)
+    assert done.returncode == code
+    assert not is_running(int(mark.read_text()))
+    for send_to_none in (nursery.interrupt, nursery.kill):
+        send_to_none()
+    assert run(nursery)[::3] == (0, first)
+
+
+def test_a_job_ends_with_a_nursery_that_is_killed(nursery, tmp_path):
+    mark = tmp_path / "mark"
+    process = run(nursery)[3]
+    with futures.ThreadPoolExecutor() as pool:
+        job = pool.submit(nursery.run, json.dumps({"sleep": 60, "mark": str(mark)}))
+        wait_until(lambda: mark.exists() and mark.read_text())
+        os.kill(process, signal.SIGKILL)
+        assert job.result().returncode == -signal.SIGKILL
     wait_until(lambda: not is_running(int(mark.read_text())), seconds=5)
-    code, _, _, parent = run(nursery)
-    assert (code, parent == first) == (0, send == "signal")
+
+
+def test_a_job_of_a_nursery_ends_when_it_gets_a_sigterm(nursery):
+    assert run(nursery, signal=signal.SIGTERM)[0] == -signal.SIGTERM
 
 
 @pytest.mark.parametrize("module", ["evaluate", "bench", "batch"])

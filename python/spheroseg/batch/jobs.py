@@ -7,7 +7,6 @@ are whole. Everything a run needs to go on after a kill is in these records.
 
 import contextlib
 import json
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
@@ -22,8 +21,6 @@ RECORD_FOLDER = ".records"
 RESULT_LIST = f"{RECORD_FOLDER}/.results"
 DISK_FULL_EXIT = 4
 INTERRUPTED_EXIT = 130
-
-_running: set[workers.Nursery] = set()
 
 
 @dataclass(frozen=True)
@@ -124,11 +121,9 @@ def known_results(folder: Path) -> set[str]:
         return set()  # no such list, or a damaged one
 
 
-@contextlib.contextmanager
-def nursery() -> Iterator[workers.Nursery]:
-    """Where `run_job` does one job after the other."""
-    with contextlib.closing(workers.Nursery("spheroseg.batch.worker")) as found:
-        yield found
+def nursery() -> contextlib.closing[workers.Nursery]:
+    """Where `run_job` does one job after the other, in a `with` block."""
+    return contextlib.closing(workers.Nursery("spheroseg.batch.worker"))
 
 
 def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
@@ -139,11 +134,7 @@ def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
     """
     try:
         job.record_path().unlink(missing_ok=True)
-        _running.add(place)
-        try:
-            process = place.run(json.dumps(asdict(job)))
-        finally:
-            _running.discard(place)
+        process = place.run(json.dumps(asdict(job)))
         # A signal may end a process that is done.
         if job.record_path().exists():
             return json.loads(job.record_path().read_text())
@@ -156,12 +147,6 @@ def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
         return failed_record(job, error.strerror, status="disk_full")
     except (OSError, ValueError) as error:  # of a record that is damaged
         return failed_record(job, str(error))
-
-
-def signal_running(number: int) -> None:
-    """Sends a signal to the process of each job that this process runs."""
-    for place in list(_running):
-        place.send_signal(number)
 
 
 def store(job: Job, record: dict[str, Any]) -> None:

@@ -34,12 +34,12 @@ from spheroseg.batch.jobs import (
     remember_results,
     remove_results,
     run_job,
-    signal_running,
     undone_record,
 )
 from spheroseg.errors import InputError, one_line, shown
 from spheroseg.file_checks import check_name
 from spheroseg.lock import locked
+from spheroseg.workers import Nursery
 
 MANIFEST_STEM = "manifest"
 MANIFEST_FORMS = ("csv", "parquet")
@@ -224,8 +224,9 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
 
     # Threads only wait here; each job is a process.
     with contextlib.ExitStack() as stack, futures.ThreadPoolExecutor(worker_count) as pool:
-        for _ in range(worker_count):
-            idle.put(stack.enter_context(nursery()))
+        places = [stack.enter_context(nursery()) for _ in range(worker_count)]
+        for place in places:
+            idle.put(place)
         submitted = []
         try:
             for job in jobs:
@@ -238,7 +239,7 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
             before = signal.signal(signal.SIGINT, lambda *_: None)
             try:
                 pool.shutdown(wait=False, cancel_futures=True)
-                _end_running(submitted)
+                _end_running(submitted, places)
             finally:
                 signal.signal(signal.SIGINT, before)
             raise
@@ -246,12 +247,13 @@ def _on_this_machine(jobs: list[Job], worker_count: int) -> Iterator[Record]:
             pool.shutdown(cancel_futures=True)
 
 
-def _end_running(submitted: list[futures.Future]) -> None:
+def _end_running(submitted: list[futures.Future], places: list[Nursery]) -> None:
     """Ends what runs, and what was just about to begin, and waits for it."""
     began = time.monotonic()
     while not all(future.done() for future in submitted):
         patient = time.monotonic() - began < _GRACE_SECONDS
-        signal_running(signal.SIGINT if patient else signal.SIGKILL)
+        for place in places:
+            place.interrupt() if patient else place.kill()
         futures.wait(submitted, timeout=_POLL_SECONDS)
 
 
