@@ -16,6 +16,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -26,6 +27,7 @@ from spheroseg.errors import InputError, one_line
 
 _PR_SET_PDEATHSIG = 1
 _MOST_OF_STDERR = 4096
+_IDLE_SECONDS = 60
 
 Message = dict[str, Any]
 
@@ -92,17 +94,28 @@ def _fed(module: str, job: Message, complaints: IO) -> Iterator[subprocess.Popen
 class Nursery:
     """A process that runs `python -m module`, whose main function is `nurse`: it imports what jobs
     need, which takes longer than a small job, and is forked for each of them. It begins with the
-    first job, and ends with the thread that had it; one that was ended is replaced for the next
-    job. For one thread at a time. To be closed.
+    first job, and ends with the thread that had it, or where a minute brings no other; one that
+    has ended is replaced for the next job. For jobs of one thread at a time.
     """
 
     def __init__(self, module: str):
         self._module = module
         self._process: subprocess.Popen | None = None
+        self._used = threading.Lock()
+        self._end: threading.Timer | None = None
 
     def run(self, job: str) -> subprocess.CompletedProcess:
         """Does a job, of one line; with the exit code and stderr of its process, or of the nursery
         where that has ended."""
+        with self._used:
+            self._cancel_end()
+            done = self._run(job)
+            self._end = threading.Timer(_IDLE_SECONDS, self.close)
+            self._end.daemon = True
+            self._end.start()
+        return done
+
+    def _run(self, job: str) -> subprocess.CompletedProcess:
         if self._process is None:
             # With the threads of a library a fork would not be safe.
             alone = {"OPENBLAS_NUM_THREADS": "1"}
@@ -134,9 +147,15 @@ class Nursery:
             process.send_signal(number)
 
     def close(self) -> None:
-        if self._process is not None:
-            with self._process:  # ends when it gets no more jobs
-                self._process = None
+        with self._used:
+            self._cancel_end()
+            if self._process is not None:
+                with self._process:  # ends when it gets no more jobs
+                    self._process = None
+
+    def _cancel_end(self) -> None:
+        if self._end is not None:
+            self._end.cancel()
 
 
 def start(

@@ -14,6 +14,7 @@ import signal
 import socket
 import subprocess
 import sys
+from concurrent import futures
 from pathlib import Path
 
 import numpy as np
@@ -949,6 +950,18 @@ def test_the_meshes_of_a_batch_are_done_in_processes_of_few_nurseries(tmp_path, 
     assert main([*arguments, "--workers", "2"]) == 0
     assert 1 <= len(started) <= 2
     assert set(started) == {"spheroseg.batch.worker"}
+
+
+def test_a_thread_keeps_one_nursery_that_of_the_last_batch():
+    before = children(os.getpid())
+    kept = jobs.kept_nursery("first")
+    assert kept.run("no job").returncode == 1
+    assert len(children(os.getpid()) - before) == 1
+    assert jobs.kept_nursery("first") is kept
+    with futures.ThreadPoolExecutor() as pool:
+        assert pool.submit(jobs.kept_nursery, "first").result() is not kept
+    assert jobs.kept_nursery("second") is not kept
+    assert children(os.getpid()) == before
 
 
 def test_names_of_failed_meshes_are_shown_as_they_are(tmp_path, capsys):

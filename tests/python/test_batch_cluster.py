@@ -23,7 +23,7 @@ from batches import (
     write_finned,
     write_mesh,
 )
-from processes import read_or_nothing, wait_until
+from processes import children, is_running, read_or_nothing, wait_until
 
 import spheroseg
 from spheroseg.batch import jobs, runner
@@ -284,6 +284,26 @@ def test_results_that_stay_on_the_worker_are_failures(tmp_path, monkeypatch, cap
     assert f"done on {socket.gethostname()}, but the result is not in {output} here" in said
     assert [row["status"] for row in rows(output)] == ["failed", "failed"]
     assert (tmp_path / "elsewhere" / "a.ply").exists()
+
+
+def test_a_worker_keeps_a_nursery_for_a_batch_and_ends_it(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-k", "3", "-o"]
+    with dask_cluster(tmp_path, "--no-nanny") as (address, start_worker, _):
+        worker = start_worker()
+        with distributed.Client(address, set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=60)
+        before = children(worker.pid)
+        nurseries = []
+        for name in ("first", "second"):
+            assert main([*arguments, str(tmp_path / name), "--scheduler", address]) == 0
+            (found,) = children(worker.pid) - before
+            nurseries.append(found)
+        worker.terminate()
+        worker.wait()
+        wait_until(lambda: not any(map(is_running, nurseries)))
+    assert nurseries[0] != nurseries[1]
 
 
 @pytest.mark.parametrize(

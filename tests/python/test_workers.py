@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent import futures
 from pathlib import Path
@@ -171,6 +172,26 @@ def test_a_nursery_that_was_ended_is_replaced(nursery):
     assert (done.returncode, done.stderr) == (-signal.SIGKILL, "")
     code, _, _, another = run(nursery)
     assert (code, another != process) == (0, True)
+
+
+def test_a_nursery_without_jobs_ends_and_is_replaced(nursery, monkeypatch):
+    first = run(nursery)[3]
+    monkeypatch.setattr(workers, "_IDLE_SECONDS", 0.2)
+    assert run(nursery)[3] == first
+    wait_until(lambda: not is_running(first))
+    code, _, _, another = run(nursery)
+    assert (code, another != first) == (0, True)
+
+
+def test_a_nursery_that_is_closed_does_its_job_and_leaves_nothing(nursery, tmp_path):
+    mark = tmp_path / "mark"
+    with futures.ThreadPoolExecutor() as pool:
+        job = pool.submit(run, nursery, sleep=1, mark=str(mark))
+        wait_until(lambda: mark.exists() and mark.read_text())
+        nursery.close()
+        code, _, _, process = job.result()
+    assert (code, is_running(process)) == (0, False)
+    wait_until(lambda: not any(isinstance(one, threading.Timer) for one in threading.enumerate()))
 
 
 def test_a_nursery_that_can_not_begin_says_why():

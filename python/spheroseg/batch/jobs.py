@@ -7,6 +7,7 @@ are whole. Everything a run needs to go on after a kill is in these records.
 
 import contextlib
 import json
+import threading
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
@@ -21,6 +22,9 @@ RECORD_FOLDER = ".records"
 RESULT_LIST = f"{RECORD_FOLDER}/.results"
 DISK_FULL_EXIT = 4
 INTERRUPTED_EXIT = 130
+_WORKER = "spheroseg.batch.worker"
+
+_of_this_thread = threading.local()
 
 
 @dataclass(frozen=True)
@@ -123,7 +127,19 @@ def known_results(folder: Path) -> set[str]:
 
 def nursery() -> contextlib.closing[workers.Nursery]:
     """Where `run_job` does one job after the other, in a `with` block."""
-    return contextlib.closing(workers.Nursery("spheroseg.batch.worker"))
+    return contextlib.closing(workers.Nursery(_WORKER))
+
+
+def kept_nursery(batch: str) -> workers.Nursery:
+    """That of this thread for the jobs of a batch, whose name no other has: the next batch may have
+    another build of the plugin. To be left open for the next job; it ends by itself."""
+    kept = _of_this_thread
+    if getattr(kept, "batch", None) != batch:
+        if hasattr(kept, "nursery"):
+            kept.nursery.close()
+        kept.nursery = workers.Nursery(_WORKER)
+        kept.batch = batch
+    return kept.nursery
 
 
 def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:

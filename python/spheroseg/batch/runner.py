@@ -307,11 +307,10 @@ def _on_dask(
 
         host = socket.gethostname()
         try:
-            from spheroseg.batch.jobs import Job, nursery, run_job
+            from spheroseg.batch.jobs import Job, kept_nursery, run_job
         except ImportError as error:
             raise ImportError(f"on {host}: {error}") from None  # PluginError does not travel
-        with nursery() as place:
-            return run_job(Job(**job), place) | {"host": host}
+        return run_job(Job(**job), kept_nursery(batch)) | {"host": host}
 
     def on_idle() -> None:
         on_hint(
