@@ -112,7 +112,8 @@ class Nursery:
             done = self._run(job)
             self._end = threading.Timer(_IDLE_SECONDS, self.close)
             self._end.daemon = True
-            self._end.start()
+            with contextlib.suppress(RuntimeError):  # no more threads: it stays until it is closed
+                self._end.start()
         return done
 
     def _run(self, job: str) -> subprocess.CompletedProcess:

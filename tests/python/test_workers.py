@@ -183,6 +183,15 @@ def test_a_nursery_without_jobs_ends_and_is_replaced(nursery, monkeypatch):
     assert (code, another != first) == (0, True)
 
 
+def test_a_nursery_needs_no_thread(nursery, monkeypatch):
+    def refuse(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    first, second = run(nursery), run(nursery)
+    assert (first[0], first[3]) == (0, second[3])
+
+
 def test_a_nursery_that_is_closed_does_its_job_and_leaves_nothing(nursery, tmp_path):
     mark = tmp_path / "mark"
     with futures.ThreadPoolExecutor() as pool:
