@@ -221,9 +221,10 @@ def serve(prepare: Callable[[Message], tuple[Message, Callable[[Message], Messag
     return 0
 
 
-def nurse(do: Callable[[str], int]) -> int:
+def nurse(do: Callable[[str], int], prepare: Callable[[str], None]) -> int:
     """The main function of the module of a nursery; its argument is the id of the process that
-    started it. `do` gets a job in a process of its own, and returns the exit code of that one.
+    started it. `do` gets a job in a process of its own, and returns the exit code of that one;
+    `prepare` gets it before, to import here what all such jobs need.
 
     What the process writes to stderr or stdout is part of the answer. A SIGINT is for the job, and
     a SIGTERM kills it: who waits for the answer then knows that it has ended.
@@ -243,6 +244,7 @@ def nurse(do: Callable[[str], int]) -> int:
     if handlers[signal.SIGINT] != signal.SIG_IGN:
         signal.signal(signal.SIGINT, pass_on)
     for job in sys.stdin:
+        prepare(job)
         said, complaints = os.pipe()
         nursery = os.getpid()
         child = os.fork()

@@ -9,6 +9,13 @@ import odd_worker
 
 from spheroseg import workers
 
+prepared = 0
+
+
+def prepare(job):
+    global prepared
+    prepared = json.loads(job).get("prepare", prepared)
+
 
 def do(job):
     task = json.loads(job)
@@ -18,9 +25,9 @@ def do(job):
         odd_worker.do(task)
     except KeyboardInterrupt:
         return 7
-    return task.get("code", 0)
+    return task.get("code", prepared)
 
 
 if __name__ == "__main__":
     print(end=os.environ.get("GREETING", ""))  # as a library that is imported might
-    sys.exit(workers.nurse(do))
+    sys.exit(workers.nurse(do, prepare))

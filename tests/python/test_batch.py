@@ -22,7 +22,7 @@ import pymeshlab
 import pytest
 from batches import rows, run_batch, start_batch, wait_for_records, write_finned, write_mesh
 from colours import bytes_of_linear
-from processes import children, is_running, jobs_of, run_shell, wait_until
+from processes import children, is_running, jobs_of, run_python, run_shell, wait_until
 from shapes import bumpy_sphere, octahedron
 
 import spheroseg
@@ -952,10 +952,29 @@ def test_the_meshes_of_a_batch_are_done_in_processes_of_few_nurseries(tmp_path, 
     assert set(started) == {"spheroseg.batch.worker"}
 
 
+@pytest.mark.parametrize("suffix", ["ply", "obj", "off", "stl"])
+def test_what_a_mesh_needs_is_imported_before_its_process_is_forked(suffix, tmp_path):
+    write_mesh(tmp_path / "a.ply")
+    mesh = tmp_path / f"a.{suffix}"
+    mesh_set = pymeshlab.MeshSet()
+    mesh_set.load_new_mesh(str(tmp_path / "a.ply"))
+    mesh_set.save_current_mesh(str(mesh))
+    (tmp_path / "out").mkdir()
+    settings = {"submesh_count": 4}, jobs.FORMATS, jobs.versions()
+    job = jobs.Job(str(mesh), "a", str(tmp_path / "out"), *settings)
+    program = (
+        "import sys; from spheroseg.batch import worker; text = sys.argv[1]\n"
+        "worker.prepare(text); before = set(sys.modules); code = worker.do(text)\n"
+        "others = {name.partition('.')[0] for name in set(sys.modules) - before}\n"
+        "print(code, sorted(others - sys.stdlib_module_names))"
+    )
+    assert run_python("-c", program, json.dumps(dataclasses.asdict(job))).stdout == "0 []\n"
+
+
 def test_a_thread_keeps_one_nursery_that_of_the_last_batch():
     before = children(os.getpid())
     kept = jobs.kept_nursery("first")
-    assert kept.run("no job").returncode == 1
+    assert kept.run('{"formats": []}').returncode == 1
     assert len(children(os.getpid()) - before) == 1
     assert jobs.kept_nursery("first") is kept
     with futures.ThreadPoolExecutor() as pool:

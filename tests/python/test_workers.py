@@ -164,6 +164,10 @@ def test_a_job_of_a_nursery_has_an_empty_stdin_and_may_say_much(nursery):
     assert len(done.stderr) > 1_000_000
 
 
+def test_what_a_nursery_prepares_is_there_for_all_jobs(nursery):
+    assert [run(nursery, **job)[0] for job in ({}, {"prepare": 3}, {})] == [0, 3, 3]
+
+
 def test_a_nursery_that_was_ended_is_replaced(nursery):
     process = run(nursery)[3]
     os.kill(process, signal.SIGKILL)

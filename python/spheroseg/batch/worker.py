@@ -5,6 +5,7 @@ Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the d
 interrupted.
 """
 
+import contextlib
 import json
 import signal
 import socket
@@ -13,6 +14,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import numpy.ma  # noqa: F401 (which numpy imports when it is used, in each process that was forked)
 
 from spheroseg import api, atomic, mesh_files
 from spheroseg.batch.jobs import (
@@ -24,11 +26,17 @@ from spheroseg.batch.jobs import (
     versions,
 )
 from spheroseg.digests import sha256
-from spheroseg.errors import InputError, PluginError, one_line
-from spheroseg.export import glb_bytes, npz_bytes
+from spheroseg.errors import InputError, MissingPackageError, PluginError, one_line
+from spheroseg.export import glb_bytes, gltf_library, npz_bytes
 from spheroseg.ply import colour_properties, ply_bytes
 from spheroseg.submeshes import split_into_submeshes
 from spheroseg.workers import nurse
+
+
+def prepare(text: str) -> None:
+    if ".glb" in json.loads(text)["formats"]:
+        with contextlib.suppress(MissingPackageError):  # the job says so
+            gltf_library()
 
 
 def do(text: str) -> int:
@@ -121,4 +129,4 @@ def _be_interrupted_once() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(nurse(do))
+    sys.exit(nurse(do, prepare))
