@@ -58,6 +58,7 @@ public:
         share_out(face_counts, submesh_count);
         result_.labels.resize(face_count);
         is_valid_.assign(components_->size(), 0);
+        may_be_as_asked_.assign(components_->size(), 1);
 
         std::vector<int> small;
         const auto component_count = static_cast<int>(components_->size());
@@ -76,6 +77,9 @@ public:
         segment_small(small);
         if (options_.balance == Balance::triangle_count) {
             change_shares();
+            // Counts that differ by more may be others than those of the best shares.
+            result_.may_be_balanced = result_.best_max_triangle_count_difference > 1 ||
+                std::count(may_be_as_asked_.begin(), may_be_as_asked_.end(), 0) == 0;
         }
         if (options_.balance == Balance::triangle_count && submesh_count > 1 &&
             face_count <= kMaxFacesToSearch &&
@@ -175,8 +179,11 @@ private:
         return false;
     }
 
-    /// Are there counts for such a share that do not make the MTCD larger than it has to be?
+    /// May there be a cut with such a share that does not make the MTCD larger than it has to be?
     bool may_take(int component, int change) const {
+        if (!may_be_as_asked_[component]) {
+            return false;
+        }
         const std::int64_t share = submesh_counts_[component] + change;
         const int face_count = (*components_)[component].face_count();
         return share >= 1 && share * counts_.floor <= face_count &&
@@ -205,9 +212,9 @@ private:
     /// was found.
     void search_all_shares(int submesh_count) {
         const Multilevel finest(prepared_.mesh(), prepared_.dual_graph());
-        const int least_difference = result_.best_max_triangle_count_difference;
-        const int end =
-            finest.face_count() <= kFewFaces ? count_difference() : least_difference + 1;
+        const int best_difference = result_.best_max_triangle_count_difference;
+        const int least_difference = best_difference + (result_.may_be_balanced ? 0 : 1);
+        const int end = finest.face_count() <= kFewFaces ? count_difference() : best_difference + 1;
         Patchwork patchwork = finest.coarsen(finest.face_count(), submesh_count);
         for (int difference = least_difference; difference < end; ++difference) {
             if (search_counts(patchwork, difference)) {
@@ -342,7 +349,6 @@ private:
         const ComponentResult part = cut(i, task, options, progress);
         take(i, part);
         const std::lock_guard<std::mutex> lock(result_mutex_);
-        result_.may_be_balanced = part.may_be_balanced || components_->size() > 1;
         seconds_ += part.seconds;
         add_iterations(part.history);
     }
@@ -368,6 +374,7 @@ private:
             result_.labels[component.mesh_face(f)] = labels_[i].names[part.labels[f]];
         }
         is_valid_[i] = part.is_valid;
+        may_be_as_asked_[i] = part.may_be_as_asked;
     }
 
     /// The n-th iterations of all components count as one; a component that has ended keeps its
@@ -407,6 +414,8 @@ private:
     std::vector<int> submesh_counts_;
     /// Is each component cut as its share asks?
     std::vector<std::uint8_t> is_valid_;
+    /// Could it be cut so, with any share, for all that is known?
+    std::vector<std::uint8_t> may_be_as_asked_;
     /// Faces that may be cut anew with other shares.
     std::int64_t cuts_anew_left_ = 0;
     /// Without weights: those of all sub-meshes when they differ least.

@@ -86,7 +86,7 @@ public:
             history_ = reserve->history;
             best_->keep_if_better(finest_with(reserve->labels), true, history_);
         }
-        if (!best_->is_valid() && !is_least_ && !by_weight() &&
+        if (!best_->is_valid() && result_.may_be_as_asked && !by_weight() &&
             component_.face_count() <= kMaxFacesToSearch && !time_.of_search().expired()) {
             search();
         }
@@ -430,14 +430,11 @@ private:
         time_.extend_search();
         const bool balanced = search.search();
         is_hopeless_ = search.is_hopeless();
-        is_least_ = search.is_least() && !may_be_as_asked(patchwork);
-        result_.may_be_balanced = search.is_possible();
+        // Other components may have such counts that those of this one need not be equal.
+        result_.may_be_as_asked =
+            search.is_possible() || least_misplaced(patchwork, task_.counts) == 0;
+        is_least_ = search.is_least() && !result_.may_be_as_asked;
         return balanced;
-    }
-
-    /// Other components may have such counts that those of this one need not be equal.
-    bool may_be_as_asked(const Patchwork& patchwork) const {
-        return least_misplaced(patchwork, task_.counts) == 0;
     }
 
     AnnealSchedule exchanges(const Patchwork& patchwork, bool are_annealed = true) const {

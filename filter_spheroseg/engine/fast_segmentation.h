@@ -57,9 +57,10 @@ struct ComponentResult {
     /// All sub-meshes are connected and free of bowties and, without weights, have a triangle count
     /// that was asked for.
     bool is_valid = false;
-    /// False where no cut into so many sub-meshes is balanced, as parts of the component hang on
-    /// the rest by single edges (least_misplaced); known only where a balance was not found.
-    bool may_be_balanced = true;
+    /// False where no cut into any number of connected sub-meshes has triangle counts that were
+    /// asked for, as parts of the component hang on the rest by single edges (least_misplaced);
+    /// known only where a balance was not found.
+    bool may_be_as_asked = true;
 };
 
 /// The method `fast` on one component: a start on a coarse version of the mesh by recursive

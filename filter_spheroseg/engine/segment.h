@@ -23,8 +23,8 @@ struct Segmentation {
     int component_count = 0;
     /// The least MTCD that the sizes of the components allow (1 or 0 when there is one).
     int best_max_triangle_count_difference = 0;
-    /// False where no cut of a mesh of one component into connected sub-meshes has that, as parts
-    /// hang on the rest by single edges (least_misplaced). Not found out for `all_pairs`, by
+    /// False where that is at most 1, and no cut into connected sub-meshes has it, as parts of the
+    /// mesh hang on the rest by single edges (least_misplaced). Not found out for `all_pairs`, by
     /// weight, or where a balance was found.
     bool may_be_balanced = true;
     Balance balance = Balance::triangle_count;

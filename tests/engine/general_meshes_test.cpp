@@ -399,6 +399,7 @@ TEST(General, SharesThatABranchCanNotTakeAreChanged) {
         EXPECT_EQ(recount.max_triangle_count_difference,
                   result.best_max_triangle_count_difference + impossible)
             << k;
+        EXPECT_EQ(result.may_be_balanced, impossible == 0) << k;
     }
 }
 
