@@ -12,6 +12,7 @@ their sum), other options default. Starts: displaced_sphere of sample_meshes, k 
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -104,6 +105,7 @@ def start_row(vertices, faces, name: str, labels_of: Callable[..., np.ndarray], 
 
 
 def main() -> None:
+    argparse.ArgumentParser(description=__doc__.split("\n\n")[0]).parse_args()
     print("| mesh | F | k | weights | ours: heaviest / mean | BE | METIS | BE | no less than |")
     print("|---|---|---|---|---|---|---|---|---|")
     for name in ("cow.obj", "bunny.obj"):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The demonstration: segments a mesh that ships with PyMeshLab; `python -m spheroseg.demo DIR`."""
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -63,7 +64,19 @@ def main(output: Path) -> None:
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        prog="python -m spheroseg.demo", description="Segments a mesh that ships with PyMeshLab."
+    )
+    parser.add_argument(
+        "folder",
+        metavar="DIR",
+        nargs="?",
+        type=Path,
+        default=Path("out/demo"),
+        help="of cow.ply and cow.png; default: %(default)s",
+    )
+    options = parser.parse_args()
     try:
-        main(Path(sys.argv[1] if len(sys.argv) > 1 else "out/demo"))
-    except spheroseg.PluginError as error:
-        sys.exit(f"python -m spheroseg.demo: {workers.explained(error)}")
+        main(options.folder)
+    except (spheroseg.PluginError, OSError) as error:
+        sys.exit(f"{parser.prog}: {workers.explained(error)}")

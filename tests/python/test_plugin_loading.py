@@ -147,6 +147,13 @@ def test_modules_of_the_package_say_it_in_one_line(module, other_release, tmp_pa
     assert not (tmp_path / "out").exists()
 
 
+def test_the_demo_says_where_its_folder_can_not_be_made(tmp_path):
+    (tmp_path / "file").touch()
+    run = run_python("-m", "spheroseg.demo", tmp_path / "file" / "out")
+    assert (run.returncode, run.stdout, run.stderr.count("\n")) == (1, "", 1)
+    assert f"{tmp_path}/file/out" in run.stderr
+
+
 def imports_of_the_documents():
     """The lines of README.md and docs/ that import the package together with PyMeshLab."""
     paths = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
