@@ -381,6 +381,34 @@ TEST(General, TinyTreesAreCutAsEvenlyAsTheyCanBe) {
     EXPECT_GE(unequal_count, 10);
 }
 
+TEST(General, TwoTreesSayRightlyThatNoCutIsBalanced) {
+    int impossible_count = 0;
+    int said_count = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        TriangleMesh trees = random_tree(6 + static_cast<int>(seed % 5), seed);
+        append(trees, random_tree(6 + static_cast<int>(seed % 4), seed + 1000));
+        PreparedMesh prepared(trees);
+        const fuzz::Surface surface(trees);
+        for (int k = 3; k <= 8; ++k) {
+            SegmentOptions options;
+            options.submesh_count = k;
+            const Segmentation result = segment(prepared, options);
+            const int difference = result.best_max_triangle_count_difference;
+            const fuzz::Answer answer = fuzz::can_be_cut(surface, k, difference);
+            ASSERT_NE(answer, fuzz::Answer::unknown);
+            impossible_count += answer == fuzz::Answer::no && difference <= 1;
+            if (!result.may_be_balanced) {
+                ++said_count;
+                EXPECT_EQ(answer, fuzz::Answer::no) << "seed " << seed << ", k " << k;
+                EXPECT_LE(difference, 1);
+            }
+        }
+    }
+    // Not always: the bound leaves open how many sub-meshes each tree has.
+    EXPECT_GE(said_count, 40);
+    EXPECT_GE(impossible_count, said_count);
+}
+
 TEST(General, SharesThatABranchCanNotTakeAreChanged) {
     TriangleMesh mesh = branch();
     // A strip of eight faces takes any share.

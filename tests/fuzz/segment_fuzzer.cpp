@@ -72,6 +72,7 @@ void check_guarantees(const Segmentation& result,
             one);
     const bool is_valid = recount.is_whole() && recount.max_triangle_count_difference <= difference;
     require(result.is_valid() == is_valid, "is_valid", one);
+    require(result.may_be_balanced || !is_valid, "may_be_balanced, which it is", one);
     if (one.options.method == Method::all_pairs) {
         require(recount.max_triangle_count_difference <= difference, "balance of all_pairs", one);
         count(Outcome::segmented);
@@ -83,6 +84,7 @@ void check_guarantees(const Segmentation& result,
             count(Outcome::impossible);
             break;
         case Answer::yes:
+            require(result.may_be_balanced, "may_be_balanced, as it can be cut", one);
             count(Outcome::missed);
             note_missed("possible", one, recount, difference);
             break;
