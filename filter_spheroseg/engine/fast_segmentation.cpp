@@ -430,9 +430,11 @@ private:
         time_.extend_search();
         const bool balanced = search.search();
         is_hopeless_ = search.is_hopeless();
-        // Other components may have such counts that those of this one need not be equal.
-        result_.may_be_as_asked =
-            search.is_possible() || least_misplaced(patchwork, task_.counts) == 0;
+        // Other components may have such counts that those of this one need not be equal. The same
+        // for all starts.
+        if (!search.is_possible() && result_.may_be_as_asked) {
+            result_.may_be_as_asked = least_misplaced(patchwork, task_.counts) == 0;
+        }
         is_least_ = search.is_least() && !result_.may_be_as_asked;
         return balanced;
     }

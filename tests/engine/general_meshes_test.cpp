@@ -406,7 +406,7 @@ TEST(General, TwoTreesSayRightlyThatNoCutIsBalanced) {
     }
     // Not always: the bound leaves open how many sub-meshes each tree has.
     EXPECT_GE(said_count, 40);
-    EXPECT_GE(impossible_count, said_count);
+    EXPECT_GE(2 * said_count, impossible_count);
 }
 
 TEST(General, SharesThatABranchCanNotTakeAreChanged) {
