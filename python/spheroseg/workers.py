@@ -247,11 +247,14 @@ def nurse(do: Callable[[str], int], prepare: Callable[[str], None]) -> int:
         prepare(job)
         said, complaints = os.pipe()
         nursery = os.getpid()
+        # Until it is known here whom they are for, and the job has its own handlers, signals wait.
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, handlers)
         child = os.fork()
         if child == 0:
             channel.close()
             os.close(said)
-            _end_after(functools.partial(do, job), handlers, nursery, complaints)
+            _end_after(functools.partial(do, job), handlers, mask, nursery, complaints)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         os.close(complaints)
         with os.fdopen(said, encoding="utf-8", errors="replace") as lines:
             complained = lines.read()
@@ -263,11 +266,15 @@ def nurse(do: Callable[[str], int], prepare: Callable[[str], None]) -> int:
 
 
 def _end_after(
-    work: Callable[[], int], handlers: dict[int, Any], parent: int, complaints: int
+    work: Callable[[], int],
+    handlers: dict[int, Any],
+    mask: set[int],
+    parent: int,
+    complaints: int,
 ) -> NoReturn:
     """All that a process that was forked does, and its end: `work` returns the exit code.
 
-    `handlers`: of signals, for `work`.
+    `handlers`, `mask`: of signals, for `work`.
     """
     code = 1
     try:
@@ -277,6 +284,7 @@ def _end_after(
         os.dup2(complaints, 2)
         for number, handler in handlers.items():
             signal.signal(number, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         code = work()
     except BaseException:
         traceback.print_exc()

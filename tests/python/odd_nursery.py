@@ -4,6 +4,7 @@
 import json
 import os
 import sys
+import time
 
 import odd_worker
 
@@ -30,4 +31,6 @@ def do(job):
 
 if __name__ == "__main__":
     print(end=os.environ.get("GREETING", ""))  # as a library that is imported might
+    if "SLOW_FORK" in os.environ:  # as on a busy machine: the job is first to go on
+        os.register_at_fork(after_in_parent=lambda: time.sleep(0.5))
     sys.exit(workers.nurse(do, prepare))

@@ -225,7 +225,8 @@ def test_what_a_library_prints_is_no_answer_of_a_nursery(nursery, monkeypatch, g
 
 
 @pytest.mark.parametrize(("send", "code"), [("interrupt", 7), ("kill", -signal.SIGKILL)])
-def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, send, code):
+def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, monkeypatch, send, code):
+    monkeypatch.setenv("SLOW_FORK", "1")
     mark = tmp_path / "mark"
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
     first = run(nursery)[3]
