@@ -117,8 +117,9 @@ test-plugin: setup
 test-python: test-plugin
 	$(VENV_PYTHON) -m pytest -n $(JOBS) --dist loadscope
 
+# They wait for windows half of the time: three tests at once for every two cores.
 test-gui: gui-root plugin-gui plugin
-	SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" $(VENV_PYTHON) -m pytest -n $(JOBS) tests/gui
+	SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" $(VENV_PYTHON) -m pytest -n $$((($(JOBS) * 3 + 1) / 2)) tests/gui
 
 # The screenshots of docs/meshlab.md; their originals stay in out/gui/docs.
 docs-pictures: gui-root plugin-gui plugin
