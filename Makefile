@@ -51,8 +51,7 @@ install-gui: plugin-gui
 	$(VENV_PYTHON) -m spheroseg install-plugin $(INSTALL_ARGUMENTS)
 
 gui-root:
-	@scripts/setup.sh gui
-	@SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" scripts/gui_root.sh
+	@SPHEROSEG_GUI_ROOT="$(GUI_ROOT)" scripts/setup.sh gui
 
 demo: plugin
 	$(VENV_PYTHON) -m spheroseg.demo out/demo
@@ -73,7 +72,8 @@ bench: setup plugin
 # In tests warnings are errors. In all builds, as objects are shared between equal options only.
 test test-gui: WARNINGS := -DSPHEROSEG_WERROR=ON
 
-test: test-style test-engine test-sanitize test-race test-plugin test-python test-gui
+# All that is downloaded first, at once.
+test: gui-root test-style test-engine test-sanitize test-race test-plugin test-python test-gui
 
 test-style: setup
 	.venv/bin/clang-format --dry-run -Werror $(CPP_FILES)

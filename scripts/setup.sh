@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Installs what is missing to build and run (setup.sh run), also to test (setup.sh dev), or also to
 # drive the MeshLab application on a virtual screen (setup.sh gui):
-# system packages by apt, pinned Python packages in .venv, MeshLab's headers in .cache.
+# system packages by apt, pinned Python packages in .venv, MeshLab's headers in .cache, and the
+# application where scripts/gui_root.sh puts it.
 # What is there already is left alone, so that a second run takes a moment.
 set -euo pipefail
 
@@ -92,10 +93,14 @@ stamp="$venv/.spheroseg-$python_level"
 wanted=$(cat "$root"/requirements/*.txt | sha256sum)
 if [ "$(cat "$stamp" 2>/dev/null)" != "$wanted" ]; then
     say "installing Python packages (requirements/$python_level.txt)"
+    # Meanwhile the rest is done. The process group is its own, to be ended as a whole.
+    set -m
     # Most modules are never imported; Python compiles the others as they are.
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-compile \
-        --requirement "$requirements"
-    echo "$wanted" >"$stamp"
+        --requirement "$requirements" </dev/null &
+    installation=$!
+    set +m
+    trap 'kill -- "-$installation" 2>/dev/null || true' EXIT
 fi
 if [ ! -L "$venv" ]; then
     # The package runs from the checkout: no second installation that could grow stale.
@@ -110,3 +115,10 @@ END
 fi
 
 "$root/scripts/fetch_meshlab_headers.sh" >/dev/null
+if [ "$level" = gui ]; then "$root/scripts/gui_root.sh" >/dev/null; fi
+
+if [ -n "${installation:-}" ]; then
+    wait "$installation"
+    trap - EXIT
+    echo "$wanted" >"$stamp"
+fi

@@ -92,20 +92,31 @@ def test_the_command_runs_where_the_path_has_a_blank(tmp_path):
     assert done.stdout == "-P -m spheroseg measure a mesh.ply\n"
 
 
-def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(tmp_path):
+@pytest.fixture
+def checkout(tmp_path):
+    """With nothing to install or download."""
     checkout = tmp_path / "ünï"
     for folder in ("scripts", "requirements"):
         shutil.copytree(ROOT / folder, checkout / folder)
     for file in (checkout / "requirements").iterdir():
         file.write_text("")
+    for script in ("fetch_meshlab_headers.sh", "gui_root.sh"):
+        (checkout / "scripts" / script).write_text("#!/bin/sh\n")
     (checkout / "python" / "found_package").mkdir(parents=True)
-    fetch = checkout / "scripts" / "fetch_meshlab_headers.sh"
-    fetch.write_text("#!/bin/sh\n")
     (checkout / ".venv" / "bin").mkdir(parents=True)
     (checkout / ".venv" / "bin" / "python").symlink_to(sys.executable)
+    return checkout
+
+
+def set_up(checkout, level):
     environment = {**os.environ, "SPHEROSEG_SKIP_PACKAGES": "1", "PYTHON": sys.executable}
-    done = run(checkout / "scripts" / "setup.sh", "run", env=environment)
+    return run(checkout / "scripts" / "setup.sh", level, env=environment)
+
+
+def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(checkout):
+    done = set_up(checkout, "run")
     assert done.returncode == 0, done.stderr
+    assert "installing Python packages" in done.stdout
     found = run(
         checkout / ".venv" / "bin" / "python",
         "-c",
@@ -113,6 +124,21 @@ def test_set_up_completes_an_environment_and_finds_the_package_from_any_path(tmp
         env={**os.environ, "LC_ALL": "C"},
     )
     assert found.returncode == 0, found.stderr
+    assert set_up(checkout, "run").stdout == ""
+
+
+def test_set_up_fails_with_any_of_its_parts_and_is_done_again(checkout):
+    requirements = checkout / "requirements" / "dev.txt"
+    requirements.write_text("./absent.whl\n")
+    application = checkout / "scripts" / "gui_root.sh"
+    for _ in range(2):
+        done = set_up(checkout, "gui")
+        assert done.returncode == 1
+        assert "absent.whl" in done.stderr
+    requirements.write_text("")
+    application.write_text("#!/bin/sh\nexit 3\n")
+    assert set_up(checkout, "dev").returncode == 0
+    assert set_up(checkout, "gui").returncode == 3
 
 
 def test_set_up_rejects_an_unknown_level():
