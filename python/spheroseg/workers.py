@@ -248,13 +248,13 @@ def nurse(do: Callable[[str], int], prepare: Callable[[str], None]) -> int:
         said, complaints = os.pipe()
         nursery = os.getpid()
         # Until it is known here whom they are for, and the job has its own handlers, signals wait.
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, handlers)
+        signal.pthread_sigmask(signal.SIG_BLOCK, handlers)
         child = os.fork()
         if child == 0:
             channel.close()
             os.close(said)
-            _end_after(functools.partial(do, job), handlers, mask, nursery, complaints)
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+            _end_after(functools.partial(do, job), handlers, nursery, complaints)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, handlers)
         os.close(complaints)
         with os.fdopen(said, encoding="utf-8", errors="replace") as lines:
             complained = lines.read()
@@ -266,15 +266,11 @@ def nurse(do: Callable[[str], int], prepare: Callable[[str], None]) -> int:
 
 
 def _end_after(
-    work: Callable[[], int],
-    handlers: dict[int, Any],
-    mask: set[int],
-    parent: int,
-    complaints: int,
+    work: Callable[[], int], handlers: dict[int, Any], parent: int, complaints: int
 ) -> NoReturn:
     """All that a process that was forked does, and its end: `work` returns the exit code.
 
-    `handlers`, `mask`: of signals, for `work`.
+    `handlers`: of signals, for `work`; until they are set, these signals wait.
     """
     code = 1
     try:
@@ -284,7 +280,7 @@ def _end_after(
         os.dup2(complaints, 2)
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, handlers)
         code = work()
     except BaseException:
         traceback.print_exc()
