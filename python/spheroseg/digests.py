@@ -15,6 +15,10 @@ def sha256(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
+def sha256_of(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
 def plugin_digest() -> str:
     """Tells builds of the plugin apart."""
     return sha256(plugin_path())[:12]

@@ -25,6 +25,7 @@ from typing import IO, Any, NoReturn
 from spheroseg import atomic
 from spheroseg.errors import InputError, one_line
 
+INTERRUPTED_EXIT = 130
 _PR_SET_PDEATHSIG = 1
 _MOST_OF_STDERR = 4096
 _IDLE_SECONDS = 60
@@ -282,6 +283,9 @@ def _end_after(
             signal.signal(number, handler)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, handlers)
         code = work()
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        code = INTERRUPTED_EXIT
     except BaseException:
         traceback.print_exc()
     finally:

@@ -3,6 +3,7 @@
 
 import json
 import os
+import signal
 import sys
 import time
 
@@ -22,10 +23,7 @@ def do(job):
     task = json.loads(job)
     print(os.getpid(), os.getppid(), repr(sys.stdin.read()), flush=True)
     print("x" * task.get("length", 0), file=sys.stderr)
-    try:
-        odd_worker.do(task)
-    except KeyboardInterrupt:
-        return 7
+    odd_worker.do(task)
     return task.get("code", prepared)
 
 
@@ -33,4 +31,6 @@ if __name__ == "__main__":
     print(end=os.environ.get("GREETING", ""))  # as a library that is imported might
     if "SLOW_FORK" in os.environ:  # as on a busy machine: the job is first to go on
         os.register_at_fork(after_in_parent=lambda: time.sleep(0.5))
+    if "EARLY_INTERRUPT" in os.environ:
+        os.register_at_fork(after_in_child=lambda: os.kill(os.getpid(), signal.SIGINT))
     sys.exit(workers.nurse(do, prepare))

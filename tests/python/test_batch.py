@@ -702,6 +702,28 @@ def test_a_damaged_record_costs_only_its_mesh(tmp_path):
     assert jobs.run_job(job, Place())["status"] == "failed"
 
 
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda record: record | {"measures": record["measures"] | {"submesh_count": 7}},
+        lambda record: {name: value for name, value in record.items() if name != "measures"},
+        lambda record: [record],
+        lambda record: None,
+    ],
+)
+def test_a_mesh_whose_record_was_edited_is_done_again(tmp_path, edit):
+    write_mesh(tmp_path / "a.ply")
+    arguments = ["batch", str(tmp_path / "a.ply"), "-o", str(tmp_path / "out"), "-k", "5"]
+    assert main(arguments) == 0
+    record = tmp_path / "out" / jobs.RECORD_FOLDER / "a.json"
+    before = rows(tmp_path / "out")
+    record.write_text(json.dumps(edit(json.loads(record.read_text()))))
+    began = record.stat().st_mtime_ns
+    assert main([*arguments, "--resume"]) == 0
+    assert record.stat().st_mtime_ns > began
+    assert rows(tmp_path / "out") == before
+
+
 def ply_colours(path: Path) -> set[tuple]:
     meshes = pymeshlab.MeshSet()
     meshes.load_new_mesh(str(path))
@@ -904,7 +926,7 @@ def test_process_that_dies_is_a_failure_that_names_the_signal(tmp_path):
     record = jobs.run_job(job, Place())
     assert record["status"] == "failed"
     assert "signal 11" in record["error"]
-    assert json.loads(job.record_path().read_text()) == record
+    assert jobs.read_record(job) == record
 
 
 def test_process_whose_parent_has_ended_does_nothing(tmp_path):

@@ -124,8 +124,10 @@ def test_a_worker_whose_results_nobody_wants_any_more_is_ended(tmp_path):
 
 @pytest.fixture
 def nursery():
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
     with contextlib.closing(workers.Nursery("odd_nursery")) as found:
         yield found
+    signal.signal(signal.SIGINT, before)
 
 
 def run(nursery, **job):
@@ -224,23 +226,30 @@ def test_what_a_library_prints_is_no_answer_of_a_nursery(nursery, monkeypatch, g
     assert run(nursery)[0] == 0
 
 
-@pytest.mark.parametrize(("send", "code"), [("interrupt", 7), ("kill", -signal.SIGKILL)])
+@pytest.mark.parametrize(
+    ("send", "code"),
+    [("interrupt", workers.INTERRUPTED_EXIT), ("kill", -signal.SIGKILL)],
+)
 def test_a_signal_for_a_nursery_is_one_for_its_job(nursery, tmp_path, monkeypatch, send, code):
     monkeypatch.setenv("SLOW_FORK", "1")
     mark = tmp_path / "mark"
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
     first = run(nursery)[3]
     with futures.ThreadPoolExecutor() as pool:
         job = pool.submit(nursery.run, json.dumps({"sleep": 60, "mark": str(mark)}))
         wait_until(lambda: mark.exists() and mark.read_text())
         getattr(nursery, send)()
         done = job.result()
-    signal.signal(signal.SIGINT, before)
     assert done.returncode == code
     assert not is_running(int(mark.read_text()))
     for send_to_none in (nursery.interrupt, nursery.kill):
         send_to_none()
     assert run(nursery)[::3] == (0, first)
+
+
+def test_a_job_that_is_interrupted_before_it_begins_says_so(nursery, monkeypatch):
+    monkeypatch.setenv("EARLY_INTERRUPT", "1")
+    done = nursery.run("{}")
+    assert (done.returncode, done.stderr) == (workers.INTERRUPTED_EXIT, "interrupted\n")
 
 
 def test_a_job_ends_with_a_nursery_that_is_killed(nursery, tmp_path):

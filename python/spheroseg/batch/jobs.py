@@ -14,14 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from spheroseg import __version__, atomic, workers
-from spheroseg.digests import plugin_digest, sha256
+from spheroseg.digests import plugin_digest, sha256, sha256_of
 from spheroseg.errors import InputError, shown
 
 FORMATS = (".ply", ".npy", ".npz", ".glb")
 RECORD_FOLDER = ".records"
 RESULT_LIST = f"{RECORD_FOLDER}/.results"
 DISK_FULL_EXIT = 4
-INTERRUPTED_EXIT = 130
+_DIGEST = "record_sha256"
 _WORKER = "spheroseg.batch.worker"
 
 _of_this_thread = threading.local()
@@ -68,7 +68,7 @@ def finished_record(job: Job) -> dict[str, Any] | None:
     The content tells the mesh, which may have another place than it had then.
     """
     try:
-        record = json.loads(job.record_path().read_text())
+        record = read_record(job)
         if record["status"] != "done" or record["settings"] != job.settings():
             return None
         if record["input_sha256"] != sha256(Path(job.mesh)):
@@ -76,7 +76,7 @@ def finished_record(job: Job) -> dict[str, Any] | None:
         for file, digest in record["outputs"].items():
             if sha256(Path(job.folder) / file) != digest:
                 return None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError):
         return None  # no such record, or a damaged one
     return record | {"mesh": job.mesh}
 
@@ -153,7 +153,7 @@ def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
         process = place.run(json.dumps(asdict(job)))
         # A signal may end a process that is done.
         if job.record_path().exists():
-            return json.loads(job.record_path().read_text())
+            return read_record(job)
         if process.returncode == DISK_FULL_EXIT:
             return failed_record(job, process.stderr.strip().splitlines()[-1], status="disk_full")
         record = failed_record(job, workers.failure_reason(process.returncode, process.stderr))
@@ -168,7 +168,21 @@ def run_job(job: Job, place: workers.Nursery) -> dict[str, Any]:
 def store(job: Job, record: dict[str, Any]) -> None:
     path = job.record_path()
     path.parent.mkdir(parents=True, exist_ok=True)
-    atomic.write_text(path, json.dumps(record, indent=1) + "\n")
+    text = json.dumps(record | {_DIGEST: _digest(record)}, indent=1)
+    atomic.write_text(path, text + "\n")
+
+
+def read_record(job: Job) -> dict[str, Any]:
+    """The stored one. Raises ValueError where it is not as it was written, OSError for none."""
+    path = job.record_path()
+    record = json.loads(path.read_text())
+    if not isinstance(record, dict) or record.pop(_DIGEST, None) != _digest(record):
+        raise ValueError(f"{path}: is damaged")
+    return record
+
+
+def _digest(record: dict[str, Any]) -> str:
+    return sha256_of(json.dumps(record).encode())
 
 
 def failed_record(job: Job, error: str, status: str = "failed") -> dict[str, Any]:

@@ -6,7 +6,6 @@ import contextlib
 import csv
 import errno
 import io
-import json
 import logging
 import math
 import queue
@@ -31,6 +30,7 @@ from spheroseg.batch.jobs import (
     is_of_success,
     known_results,
     nursery,
+    read_record,
     remember_results,
     remove_results,
     run_job,
@@ -414,10 +414,10 @@ class _ResultsOfCluster:
 
 def _is_here(job: Job, record: Record) -> bool:
     try:
-        stored = json.loads(job.record_path().read_text())
+        stored = read_record(job)
         # Not of an earlier run; times differ where a lost worker did the job, too.
         same = all(stored[name] == record[name] for name in _IDENTITY)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError):
         return False
     return same and all((Path(job.folder) / name).is_file() for name in record["outputs"])
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The process of one job, which is JSON: writes results and, last, the record.
 
-Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full, 130
-interrupted.
+Exit codes: 0 done, 1 failed with the reason as the last line of stderr, 4 the disk is full; of a
+nursery, where it is interrupted.
 """
 
 import contextlib
@@ -19,7 +19,6 @@ import numpy.ma  # noqa: F401 (which numpy imports when it is used, in each proc
 from spheroseg import api, atomic, mesh_files
 from spheroseg.batch.jobs import (
     DISK_FULL_EXIT,
-    INTERRUPTED_EXIT,
     Job,
     remove_results,
     store,
@@ -54,9 +53,6 @@ def do(text: str) -> int:
         message = str(error).removeprefix(f"{job.mesh}: ")
         print(one_line(message) or type(error).__name__, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED_EXIT
     return 0
 
 
