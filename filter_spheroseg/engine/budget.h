@@ -56,7 +56,7 @@ inline Budget budget_of(Effort effort) {
         break;
     case Effort::standard:
         budget.starts = 1;
-        budget.relaxations = 48;
+        budget.relaxations = 30;
         budget.first_proposals = 90.0;
         budget.small_first_proposals = 62.0;
         budget.level_proposals = 52.0;
