@@ -107,7 +107,7 @@ def test_a_lost_scheduler_ends_the_run_with_what_is_done(number, tmp_path):
     with dask_cluster(tmp_path) as (address, start_worker, scheduler):
         start_worker()
         process = start_batch(*arguments, "--scheduler", address)
-        wait_for_records(output, 1, process)
+        wait_until((output / jobs.RECORD_FOLDER / "a.json").exists)
         scheduler.send_signal(number)
         said, complained = process.communicate(timeout=120)
     assert process.returncode == 1, complained
@@ -115,20 +115,23 @@ def test_a_lost_scheduler_ends_the_run_with_what_is_done(number, tmp_path):
         f"spheroseg batch: the Dask scheduler at {address} was lost, or has cancelled the work; go "
         "on with --resume\n"
     )
-    assert "1 of 3 meshes done" in said
-    assert [row["status"] for row in rows(output)] == ["done", "undone", "undone"]
+    states = [row["status"] for row in rows(output)]
+    assert f"{states.count('done')} of 3 meshes done" in said
+    # Dask may do another one first, as where it retries "a"; that is done then, too.
+    assert (states[0], "undone" in states[1:]) == ("done", True)
+    assert set(states) == {"done", "undone"}
     for name in ("b", "c"):
         write_mesh(tmp_path / "in" / f"{name}.ply")
     code, said, _ = run_batch(*arguments, "--resume")
     assert (code, "3 of 3 meshes done" in said) == (0, True)
 
 
-def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on(
+def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on_in_order(
     tmp_path, monkeypatch, capsys
 ):
     pytest.importorskip("distributed")
     monkeypatch.setattr(runner, "_IDLE_SECONDS", 0.5)
-    for name in ("a", "b"):
+    for name in "abcd":
         write_mesh(tmp_path / "in" / f"{name}.ply")
     arguments = ["batch", str(tmp_path / "in"), "-o", str(tmp_path / "out"), "-k", "3"]
     said = []
@@ -140,6 +143,9 @@ def test_a_scheduler_without_workers_is_said_once_and_the_run_goes_on(
         wait_until(lambda: said.append(capsys.readouterr().err) or any(said))
         start_worker()
         assert code.result(60) == 0
+        records = list((tmp_path / "out" / jobs.RECORD_FOLDER).glob("*.json"))
+        records.sort(key=lambda record: record.stat().st_mtime_ns)
+        assert [record.stem for record in records] == list("abcd")
         assert main([*arguments, "--resume", "--scheduler", address]) == 0
     assert "".join(said) + capsys.readouterr().err == (
         f"spheroseg batch: the Dask scheduler at {address} has no worker; the run goes on when you "
@@ -166,8 +172,8 @@ def test_a_cluster_that_loses_all_workers_is_said_and_the_run_goes_on_with_anoth
         with distributed.Client(address, set_as_default=False) as client:
             client.wait_for_workers(1, timeout=60)
             code = pool.submit(main, [*arguments, "--scheduler", address])
-            wait_until(lambda: meshes_of(client) == {"b", "c"})
-        record = output / jobs.RECORD_FOLDER / "a.json"
+            record = output / jobs.RECORD_FOLDER / "a.json"
+            wait_until(lambda: record.exists() and "a" not in meshes_of(client))
         before = record.stat().st_mtime_ns
         os.killpg(lost.pid, signal.SIGKILL)
         for name in ("b", "c"):

@@ -327,6 +327,7 @@ def _on_dask(
             asdict(job),
             pure=False,
             retries=3,
+            fifo_timeout="0 ms",  # else those of a tenth of a second have no order among them
             key=f"spheroseg-{batch}-{job.name}",
         ): job
         for job in jobs
