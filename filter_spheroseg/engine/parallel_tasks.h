@@ -3,6 +3,7 @@
 
 #include "parallel_failure.h"
 #include "progress.h"
+#include "waiting_threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -60,6 +61,7 @@ void run_tasks(int count, int thread_count, const Report& report, const Task& ta
         }
         return;
     }
+    keep_waiting_threads_calm();
     std::atomic<bool> stopped{false};
     std::atomic<bool> cancelled{false};
     ParallelFailure failure;

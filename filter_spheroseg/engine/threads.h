@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "waiting_threads.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <omp.h>
@@ -32,8 +34,12 @@ inline int share_begin(int i, int share_count, int items) {
 
 /// As resolve_thread_count, but at least 1 and no more than there are shares of `share` items.
 inline int threads_for(int thread_count, std::int64_t items, std::int64_t share) {
-    return static_cast<int>(
+    const auto threads = static_cast<int>(
         std::clamp<std::int64_t>(items / share, 1, resolve_thread_count(thread_count)));
+    if (threads > 1) {
+        keep_waiting_threads_calm();
+    }
+    return threads;
 }
 
 /// Calls work(i) for i in [0, count) on so many threads, whichever is free. `work` must not throw.

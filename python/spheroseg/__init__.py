@@ -2,22 +2,31 @@
 """Balanced, connected, bowtie-free segmentation of triangle meshes.
 
 Importing the package loads the SpheroSeg plugin into PyMeshLab and binds its filters as methods of
-`pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays. Import
-it before `pymeshlab`: both orders work, but the other one is slow on a busy machine
-(docs/performance.md, "Busy machines").
+`pymeshlab.MeshSet`; `segment`, `parametrize` and `measure` do the same work on plain arrays.
 """
 
 import os
-
-# Read once, when OpenMP's runtime is loaded, which PyMeshLab does: it works where this package is
-# imported first. Threads that spin for long while they wait cost a busy machine several times the
-# work itself; those that sleep at once are waked too often (docs/performance.md, "Busy machines").
-if os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive":
-    os.environ.setdefault("GOMP_SPINCOUNT", "2000")
+import sys
 
 from spheroseg._command_line import ended_by_interrupt, is_command_line
 
+
+def _let_threads_sleep():
+    """Has OpenMP's threads spin for some tens of microseconds only while they wait, unless the
+    environment says otherwise. Those that spin for long cost a busy machine several times the work
+    itself; those that sleep at once are waked too often (docs/performance.md, "Busy machines")."""
+    if os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive":
+        os.environ.setdefault("GOMP_SPINCOUNT", "2000")
+
+
 with ended_by_interrupt():
+    # OpenMP's library reads the environment once, when PyMeshLab loads it. Where it is loaded
+    # already, the plugin has to find that nothing was set: then it sees to its threads by itself.
+    # Set afterwards, the environment is for processes that are started later.
+    _openmp_is_loaded = "pymeshlab" in sys.modules
+    if not _openmp_is_loaded:
+        _let_threads_sleep()
+
     from spheroseg._plugin import load_plugin, plugin_path
     from spheroseg.api import (
         Parametrization,
@@ -35,6 +44,9 @@ with ended_by_interrupt():
         # The command line can show its help without a plugin; what needs it says so itself.
         if not is_command_line():
             raise
+
+    if _openmp_is_loaded:
+        _let_threads_sleep()
 
 __version__ = "0.1.0"
 

@@ -10,6 +10,7 @@ from mesh_paths import REPOSITORY
 from processes import run_program, run_python
 
 import spheroseg
+from spheroseg.api import SEGMENT_FILTER
 from spheroseg.install import PLUGIN_FILE
 
 
@@ -191,6 +192,43 @@ def test_a_wait_policy_of_the_user_stays(policy, spins, kept):
     line = f"import os; {unset} import spheroseg; {show}"
     told = run_python("-c", line, OMP_WAIT_POLICY=policy, GOMP_SPINCOUNT=spins or "")
     assert told.stdout == f"{kept}\n"
+
+
+# Both threads of a segmentation on one core, where one that spins keeps the other from its work.
+ONE_CORE_SCRIPT = """
+import os, sys, time
+del os.environ["OMP_WAIT_POLICY"], os.environ["GOMP_SPINCOUNT"]
+{imports}
+
+mesh_set = pymeshlab.MeshSet()
+mesh_set.create_sphere(subdiv=5)
+os.sched_setaffinity(0, {{min(os.sched_getaffinity(0))}})
+
+def seconds(threads):
+    began = time.process_time()
+    mesh_set.apply_filter({name!r}, submesh_count=200, thread_count=threads)
+    return time.process_time() - began
+
+seconds(2)
+print(sorted(seconds(2) for _ in range(3))[1] / sorted(seconds(1) for _ in range(3))[1])
+"""
+
+
+@pytest.mark.parametrize(
+    "imports",
+    [
+        "import spheroseg, pymeshlab",
+        "import pymeshlab, spheroseg",
+        "import pymeshlab; pymeshlab.load_plugin({plugin!r})",
+    ],
+)
+def test_threads_that_wait_do_not_spin_for_long(imports):
+    """Whether OpenMP can have read the package's settings or not. (Spinning: 30 times the work.)"""
+    imports = imports.format(plugin=str(spheroseg.plugin_path()))
+    script = ONE_CORE_SCRIPT.format(imports=imports, name=SEGMENT_FILTER)
+    told = run_python("-c", script, OMP_WAIT_POLICY="", GOMP_SPINCOUNT="")
+    assert told.returncode == 0, told.stderr
+    assert float(told.stdout) < 3
 
 
 def test_importing_twice_or_loading_again_changes_nothing():
