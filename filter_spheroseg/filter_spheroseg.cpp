@@ -257,6 +257,7 @@ Results FilterSpheroSegPlugin::segment(MeshDocument& document,
     if (!missing.empty()) {
         log(GLLogStream::WARNING, "The result has " + missing + ".");
     }
+    memory_return_.count(host.face_index.size());
     return segmentation_results(segmentation);
 }
 

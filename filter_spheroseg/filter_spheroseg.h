@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "memory_return.h"
 #include "prepared_mesh_cache.h"
 #include "results.h"
 
@@ -49,5 +50,6 @@ private:
     spheroseg::Results generate_layers(MeshDocument& document, const spheroseg::Progress& progress);
 
     spheroseg::PreparedMeshCache cache_;
+    spheroseg::MemoryReturn memory_return_;
     std::atomic<bool> running_{false};
 };
