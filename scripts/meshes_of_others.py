@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tries mesh files that nobody had in mind here: the part "Meshes of others" of
-docs/reliability.md.
+"""Tries mesh files that nobody had in mind here ("Meshes of others" in docs/reliability.md).
 
 Usage: .venv/bin/pip install nibabel; .venv/bin/python scripts/meshes_of_others.py FOLDER
 
@@ -14,6 +13,7 @@ triangles that it cut, one of each number of triangles, since what is connected 
 
 from __future__ import annotations
 
+import argparse
 import csv
 import os
 import shutil
@@ -118,9 +118,9 @@ def link_large_ones(manifest: Path, large: Path) -> None:
 
 
 def main() -> int:
-    if len(sys.argv) != 2:
-        sys.exit("usage: scripts/meshes_of_others.py FOLDER")
-    folder = Path(sys.argv[1])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="made where it is not there")
+    folder = parser.parse_args().folder
     meshes, results, large = (folder / name for name in ("meshes", "results", "large"))
     if not meshes.exists():
         half = folder / "meshes.part"
