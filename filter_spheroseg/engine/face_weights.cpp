@@ -16,7 +16,9 @@ constexpr double kUnits = 1 << 29;
 
 } // namespace
 
-void check_face_weights(const std::vector<double>& weights, int face_count) {
+void check_face_weights(const SegmentOptions& options, const TriangleMesh& mesh) {
+    const std::vector<double> weights = weights_of(options, mesh);
+    const int face_count = mesh.face_count();
     if (weights.size() != static_cast<std::size_t>(face_count)) {
         throw InvalidOptions("One weight per face is expected (" + std::to_string(face_count) +
                              "), but there are " + std::to_string(weights.size()) + ".");
@@ -39,9 +41,11 @@ void check_face_weights(const std::vector<double>& weights, int face_count) {
                              ". Correct the weights, or balance by triangle_count.");
     }
     if (!any_positive) {
-        throw InvalidOptions("At least one face weight above 0 is expected, but all " +
-                             std::to_string(face_count) +
-                             " are 0. Correct the weights, or balance by triangle_count.");
+        const bool are_areas = options.face_weights.empty();
+        throw InvalidOptions(std::string("At least one face ") + (are_areas ? "area" : "weight") +
+                             " above 0 is expected, but all " + std::to_string(face_count) +
+                             " are 0. Correct the " + (are_areas ? "vertices" : "weights") +
+                             ", or balance by triangle_count.");
     }
 }
 

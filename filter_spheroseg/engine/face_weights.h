@@ -6,9 +6,10 @@
 
 namespace spheroseg {
 
-/// Throws InvalidOptions unless there is one weight per face, all are finite and not negative, and
-/// at least one is above 0; the message has the count of what is wrong and the first face.
-void check_face_weights(const std::vector<double>& weights, int face_count);
+/// Throws InvalidOptions unless the weights that `options` ask for are one per face, all finite and
+/// not negative, and at least one above 0; the message has the count of what is wrong and the first
+/// face.
+void check_face_weights(const SegmentOptions& options, const TriangleMesh& mesh);
 
 /// Areas of the triangles; in units of the square of twice the largest coordinate, so that none
 /// overflows.

@@ -139,7 +139,7 @@ void check_weights(const SegmentOptions& options, const TriangleMesh& mesh) {
         throw InvalidOptions("Expected method \"fast\" with balance \"weight\", found "
                              "\"all_pairs\", which balances triangle counts only.");
     }
-    check_face_weights(weights_of(options, mesh), mesh.face_count());
+    check_face_weights(options, mesh);
 }
 
 void check_initial_labels(const SegmentOptions& options, int face_count) {

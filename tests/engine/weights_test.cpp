@@ -130,8 +130,9 @@ TEST(FaceWeights, ImbalanceIsNotBelowOneByRounding) {
 }
 
 TEST(FaceWeights, BadWeightsAreRefusedWithCountAndFirstFace) {
-    PreparedMesh mesh(octahedron(), 1);
-    const auto message = [&](std::vector<double> weights) -> std::string {
+    const auto message = [](std::vector<double> weights,
+                            const TriangleMesh& surface = octahedron()) -> std::string {
+        PreparedMesh mesh(surface, 1);
         try {
             segment(mesh, weight_options(2, std::move(weights)));
         } catch (const InvalidOptions& error) {
@@ -148,7 +149,12 @@ TEST(FaceWeights, BadWeightsAreRefusedWithCountAndFirstFace) {
               std::string::npos);
     EXPECT_NE(message({1, 1, 1, 1, 1, 1, 1, infinite}).find("face 7 with inf"), std::string::npos);
     EXPECT_NE(message({-1, 1, 1, 1, 1, 1, 1, 1}).find("face 0 with -1"), std::string::npos);
-    EXPECT_NE(message({0, 0, 0, 0, 0, 0, 0, 0}).find("all 8 are 0"), std::string::npos);
+    EXPECT_NE(message({0, 0, 0, 0, 0, 0, 0, 0}).find("weight above 0 is expected, but all 8 are 0"),
+              std::string::npos);
+    TriangleMesh point = octahedron();
+    point.positions.assign(6, {1, 2, 3});
+    EXPECT_NE(message({}, point).find("area above 0 is expected, but all 8 are 0. Correct the ver"),
+              std::string::npos);
     EXPECT_EQ(message({0, 0, 0, 0, 0, 1, 0, 0}), "");
     EXPECT_NE(message({1, 2}).find("per face is expected (8), but there are 2"), std::string::npos);
 }
