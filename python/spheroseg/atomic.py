@@ -64,6 +64,7 @@ def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
     """Makes the folder and yields a function that writes a file there, atomically, under a name.
     Where the block does not end well, files and folders that are new are removed."""
     with made_folder(folder), contextlib.ExitStack() as undo:
+        undo.callback(_remove_temporaries, folder)
 
         def write(name: str, data: bytes) -> None:
             path = folder / name
@@ -73,6 +74,13 @@ def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
 
         yield write
         undo.pop_all()
+
+
+def _remove_temporaries(folder: Path) -> None:
+    """Those of this process. A KeyboardInterrupt on the way into or out of `atomic_path` is raised
+    where that can not remove its own yet."""
+    for path in folder.glob(f".*.{os.getpid()}@*{TEMPORARY_SUFFIX}*"):
+        path.unlink(missing_ok=True)
 
 
 def _remove_empty(folder: Path) -> None:

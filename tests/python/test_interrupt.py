@@ -11,6 +11,7 @@ import threading
 import time
 
 import pytest
+from batches import wait_for_records
 from mesh_paths import REPOSITORY, SAMPLE_FOLDER
 from processes import children, is_running, jobs_of, wait_until
 from shapes import bumpy_sphere
@@ -324,9 +325,8 @@ def test_batch_ends_with_its_workers_and_can_be_resumed(send, tmp_path):
         env=ENVIRONMENT,
         start_new_session=True,
     )
+    wait_for_records(output, 1, process)
     wait_until(lambda: jobs_of(process.pid))
-    first = jobs_of(process.pid)
-    wait_until(lambda: jobs_of(process.pid) - first)
     send(process.pid, signal.SIGINT)
     said, complained = process.communicate()
     assert (process.returncode, said) == (130, "")

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import collections
 import contextlib
 import errno
+import itertools
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -447,6 +450,50 @@ def test_a_split_that_fails_leaves_only_what_was_there(
     with pytest.raises(error):
         write_split(split_into_submeshes(*labelled), labelled[0], folder, "source.ply")
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def interrupted_at(line, call):
+    """Calls it, with a KeyboardInterrupt at the n-th line that Python runs meanwhile, and returns
+    that; None where there are fewer."""
+    lines = itertools.count(1)
+    before = sys.gettrace()
+
+    def trace(_frame, event, _argument):
+        if event == "line" and next(lines) == line:
+            sys.settrace(before)
+            raise KeyboardInterrupt
+        return trace
+
+    sys.settrace(trace)
+    try:
+        call()
+    except KeyboardInterrupt as interrupt:
+        return interrupt
+    finally:
+        sys.settrace(before)
+    return None
+
+
+def test_files_that_belong_together_are_there_all_or_not_at_all_after_an_interrupt(tmp_path):
+    """At whichever line it comes, those of the library included."""
+    folder = tmp_path / "new" / "parts"
+    outcomes = collections.Counter()
+
+    def write_both():
+        with atomic.all_or_none(folder) as write:
+            write("first", b"1")
+            write("second", b"2")
+
+    # Its traceback keeps what was interrupted alive, as it does until the program has said so.
+    for line in itertools.count(1):
+        interrupt = interrupted_at(line, write_both)
+        outcomes[tuple(sorted(path.name for path in tmp_path.rglob("*")))] += 1
+        shutil.rmtree(tmp_path / "new", ignore_errors=True)
+        if interrupt is None:
+            break
+    assert line > 100
+    assert outcomes.keys() == {(), ("first", "new", "parts", "second")}
+    assert outcomes[()] > line / 2
 
 
 def test_ply_keeps_doubles_that_floats_would_lose():
