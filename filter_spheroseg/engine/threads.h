@@ -33,6 +33,7 @@ inline int share_begin(int i, int share_count, int items) {
 }
 
 /// As resolve_thread_count, but at least 1 and no more than there are shares of `share` items.
+/// Where it is several, they are about to be used: it sees to it that they do not spin for long.
 inline int threads_for(int thread_count, std::int64_t items, std::int64_t share) {
     const auto threads = static_cast<int>(
         std::clamp<std::int64_t>(items / share, 1, resolve_thread_count(thread_count)));

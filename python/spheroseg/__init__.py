@@ -10,22 +10,16 @@ import sys
 
 from spheroseg._command_line import ended_by_interrupt, is_command_line
 
-
-def _let_threads_sleep():
-    """Has OpenMP's threads spin for some tens of microseconds only while they wait, unless the
-    environment says otherwise. Those that spin for long cost a busy machine several times the work
-    itself; those that sleep at once are waked too often (docs/performance.md, "Busy machines")."""
-    if os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive":
-        os.environ.setdefault("GOMP_SPINCOUNT", "2000")
-
-
 with ended_by_interrupt():
-    # OpenMP's library reads the environment once, when PyMeshLab loads it. Where it is loaded
-    # already, the plugin has to find that nothing was set: then it sees to its threads by itself.
-    # Set afterwards, the environment is for processes that are started later.
-    _openmp_is_loaded = "pymeshlab" in sys.modules
-    if not _openmp_is_loaded:
-        _let_threads_sleep()
+    # Read once, when PyMeshLab loads OpenMP's library. Threads that spin for long while they wait
+    # cost a busy machine several times the work itself; those that sleep at once are waked too
+    # often (docs/performance.md, "Busy machines"). Where the library has been loaded already the
+    # plugin has to find that nothing is set: then it sees to its threads by itself.
+    if (
+        "pymeshlab" not in sys.modules
+        and os.environ.setdefault("OMP_WAIT_POLICY", "passive").lower() == "passive"
+    ):
+        os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
     from spheroseg._plugin import load_plugin, plugin_path
     from spheroseg.api import (
@@ -44,9 +38,6 @@ with ended_by_interrupt():
         # The command line can show its help without a plugin; what needs it says so itself.
         if not is_command_line():
             raise
-
-    if _openmp_is_loaded:
-        _let_threads_sleep()
 
 __version__ = "0.1.0"
 

@@ -48,12 +48,13 @@ def atomic_path(path: Path, suffix: str = "") -> Iterator[Path]:
 
 @contextlib.contextmanager
 def made_folder(folder: Path) -> Iterator[None]:
-    """Makes the folder. Where the block does not end well, folders that are new and empty are
-    removed."""
+    """Makes the folder. Where the block does not end well, what this process was writing there is
+    removed, and folders that are new and empty."""
     with contextlib.ExitStack() as undo:
         for parent in (*reversed(folder.parents), folder):
             if not parent.exists():
                 undo.callback(_remove_empty, parent)
+        undo.callback(_remove_temporaries, folder)
         folder.mkdir(parents=True, exist_ok=True)
         yield
         undo.pop_all()
@@ -64,7 +65,6 @@ def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
     """Makes the folder and yields a function that writes a file there, atomically, under a name.
     Where the block does not end well, files and folders that are new are removed."""
     with made_folder(folder), contextlib.ExitStack() as undo:
-        undo.callback(_remove_temporaries, folder)
 
         def write(name: str, data: bytes) -> None:
             path = folder / name
@@ -79,7 +79,7 @@ def all_or_none(folder: Path) -> Iterator[Callable[[str, bytes], None]]:
 def _remove_temporaries(folder: Path) -> None:
     """Those of this process. A KeyboardInterrupt on the way into or out of `atomic_path` is raised
     where that can not remove its own yet."""
-    for path in folder.glob(f".*.{os.getpid()}@*{TEMPORARY_SUFFIX}*"):
+    for path in folder.glob(f".*.{_this_process()}{TEMPORARY_SUFFIX}*"):
         path.unlink(missing_ok=True)
 
 
@@ -98,8 +98,12 @@ def check_place(path: Path) -> None:
 
 def _temporary_beside(target: Path, suffix: str = "") -> Path:
     # Not from the target's name, which may be as long as the file system allows.
-    owner = f"{secrets.token_hex(4)}.{os.getpid()}@{socket.gethostname()}"
+    owner = f"{secrets.token_hex(4)}.{_this_process()}"
     return target.with_name(f".{owner}{TEMPORARY_SUFFIX}{suffix}")
+
+
+def _this_process() -> str:
+    return f"{os.getpid()}@{socket.gethostname()}"
 
 
 def write_bytes(path: Path, data: bytes) -> None:
