@@ -97,25 +97,6 @@ private:
         patchwork_.load[label] += patchwork_.cells[face].weight;
     }
 
-    /// Gives sub-mesh `label` the faces around a vertex, from a face that touches it on, that have
-    /// the label of that face, if that makes no bowtie.
-    bool join_fan(int face, int label) {
-        for (int c = 0; c < 3; ++c) {
-            if (patchwork_.label_across(face, c) != label) {
-                continue;
-            }
-            for (bool forward : {false, true}) {
-                if (describe_fan(patchwork_, face, c, forward, fan_) && fan_may_join(fan_)) {
-                    for (int i = 0; i < fan_.move.face_count; ++i) {
-                        take(fan_.move.faces[i], label);
-                    }
-                    return true;
-                }
-            }
-        }
-        return false;
-    }
-
     /// A vertex of the fan's rim that lies between two faces may touch the sub-mesh only next to
     /// an edge of the rim that does.
     bool fan_may_join(const Fan& fan) const {
@@ -230,7 +211,7 @@ private:
             if (best >= 0) {
                 take(face, best);
                 list_free_neighbors(face, queue);
-            } else if (patchwork_.may_close_rings && joins_any_fan(face)) {
+            } else if (patchwork_.may_close_rings && join_fan(face)) {
                 for (int i = 0; i < fan_.move.face_count; ++i) {
                     list_free_neighbors(fan_.move.faces[i], queue);
                 }
@@ -238,11 +219,17 @@ private:
         }
     }
 
-    bool joins_any_fan(int face) {
+    /// Gives a sub-mesh that touches the face all free faces around a vertex, from this one on, if
+    /// that makes no bowtie: `fan_`.
+    bool join_fan(int face) {
         for (int c = 0; c < 3; ++c) {
-            const int label = patchwork_.label_across(face, c);
-            if (label >= 0 && join_fan(face, label)) {
-                return true;
+            for (bool forward : {false, true}) {
+                if (describe_fan(patchwork_, face, c, forward, fan_) && fan_may_join(fan_)) {
+                    for (int i = 0; i < fan_.move.face_count; ++i) {
+                        take(fan_.move.faces[i], fan_.move.to);
+                    }
+                    return true;
+                }
             }
         }
         return false;

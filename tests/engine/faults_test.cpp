@@ -117,5 +117,29 @@ TEST(Faults, AreFreedButForSubmeshesThatAreSound) {
     }
 }
 
+TEST(Faults, TheLargestPieceOrFanStays) {
+    // Around the upper apex sub-mesh 1 has one, four and two faces, apart: pieces, or fans if the
+    // lower faces, which hang together, are of it too.
+    constexpr int kValence = 12;
+    const Levels levels(bipyramid(kValence));
+    for (int lower : {0, 1}) {
+        for (int turn = 0; turn < kValence; ++turn) {
+            const auto upper = [&](int i) { return 2 * ((i + turn) % kValence); };
+            std::vector<int> expected(levels.mesh.face_count(), lower);
+            for (int i = 0; i < kValence; ++i) {
+                expected[upper(i)] = i >= 2 && i < 6 ? 1 : -1;
+            }
+            std::vector<int> labels = expected;
+            for (int i : {0, 7, 8}) {
+                labels[upper(i)] = 1;
+            }
+            Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 2);
+            levels.multilevel.set_labels(patchwork, labels);
+            free_faults(patchwork, {1, 0});
+            EXPECT_EQ(levels.multilevel.labels(patchwork), expected) << lower << " turn " << turn;
+        }
+    }
+}
+
 } // namespace
 } // namespace spheroseg

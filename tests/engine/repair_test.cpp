@@ -25,6 +25,15 @@ std::vector<int> random_labels(int face_count, int submesh_count, std::uint64_t 
     return labels;
 }
 
+/// Equally many faces in each, in the order of their numbers.
+std::vector<int> labels_by_number(int face_count, int submesh_count) {
+    std::vector<int> labels(face_count);
+    for (int f = 0; f < face_count; ++f) {
+        labels[f] = submesh_count * f / face_count;
+    }
+    return labels;
+}
+
 TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
     for (const auto& [name, mesh] : genus_zero_meshes()) {
         const Levels levels(mesh);
@@ -64,6 +73,20 @@ TEST(Repair, LeavesNoSubmeshEmptyWhereNoFaceCanBeSparedAlone) {
     }
 }
 
+TEST(Repair, AnEmptySubmeshGetsOneFaceThatAnotherCanSpare) {
+    const Levels levels(open_grid(20));
+    const std::vector<int> halves = labels_by_number(levels.mesh.face_count(), 2);
+    Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 3);
+    levels.multilevel.set_labels(patchwork, halves);
+    EXPECT_EQ(repair(patchwork), 0);
+    EXPECT_TRUE(is_sound(patchwork));
+    std::vector<int> labels = levels.multilevel.labels(patchwork);
+    const auto given = std::find(labels.begin(), labels.end(), 2);
+    ASSERT_NE(given, labels.end());
+    *given = halves[given - labels.begin()];
+    EXPECT_EQ(labels, halves);
+}
+
 TEST(Repair, FillsEmptySubmeshesFromTheLargestWhereTheHeaviestIsOneFace) {
     // A strip of twelve faces that is closed to a ring, and a heavy face on its rim.
     constexpr int kAround = 6;
@@ -98,10 +121,7 @@ TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
         torus(36, 7), torus(60, 3), grid_with_holes(24), grid_with_holes(36)};
     for (const TriangleMesh& mesh : meshes) {
         const Levels levels(mesh);
-        std::vector<int> labels(mesh.face_count());
-        for (int f = 0; f < mesh.face_count(); ++f) {
-            labels[f] = 3 * f / mesh.face_count();
-        }
+        const std::vector<int> labels = labels_by_number(mesh.face_count(), 3);
         Patchwork patchwork = levels.multilevel.coarsen(mesh.face_count(), 3);
         levels.multilevel.set_labels(patchwork, labels);
         ASSERT_TRUE(is_sound(measures_of(levels, patchwork)));
@@ -114,10 +134,7 @@ TEST(Repair, KeepsRingsAroundLimbsHolesAndHandles) {
 TEST(Repair, ChangesOnlyWhatIsNotSound) {
     const TriangleMesh mesh = open_grid(20);
     const Levels levels(mesh);
-    std::vector<int> halves(mesh.face_count());
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        halves[f] = 2 * f / mesh.face_count();
-    }
+    const std::vector<int> halves = labels_by_number(mesh.face_count(), 2);
     std::vector<int> labels = halves;
     // Single faces in the midst of each half, and one that touches its own half at a vertex.
     const std::vector<int> strays = {205, 371, 402, 640};
@@ -144,7 +161,9 @@ TEST(Repair, OfWhatIsNotSoundTakesNoFaceFromTheRest) {
         for (std::uint64_t seed = 0; seed < 10; ++seed) {
             Patchwork patchwork = rough_patchwork(levels, kSubmeshes, seed);
             const std::vector<int> sound = levels.multilevel.labels(patchwork);
+            patchwork.may_be_unsound = true;
             EXPECT_EQ(repair_unsound(patchwork), 0);
+            EXPECT_FALSE(patchwork.may_be_unsound);
             EXPECT_EQ(levels.multilevel.labels(patchwork), sound) << "all were sound";
             std::vector<std::set<int>> labels_at(mesh.positions.size());
             for (int f = 0; f < mesh.face_count(); ++f) {
@@ -172,6 +191,32 @@ TEST(Repair, OfWhatIsNotSoundTakesNoFaceFromTheRest) {
             EXPECT_EQ(levels.multilevel.labels(patchwork), sound) << "the stray face went back";
         }
     }
+}
+
+TEST(Repair, AllowsRingsOnlyWhereDisksLeaveFacesOver) {
+    using RepairFunction = int (*)(Patchwork&);
+    const Levels levels(open_grid(20));
+    const std::vector<int> halves = labels_by_number(levels.mesh.face_count(), 2);
+    for (RepairFunction mend : {RepairFunction{repair}, RepairFunction{repair_unsound}}) {
+        for (int stray : {-1, 205}) {
+            std::vector<int> labels = halves;
+            if (stray >= 0) {
+                labels[stray] = 1;
+            }
+            Patchwork patchwork = levels.multilevel.coarsen(levels.mesh.face_count(), 2);
+            levels.multilevel.set_labels(patchwork, labels);
+            patchwork.may_close_rings = false;
+            EXPECT_EQ(mend(patchwork), 0);
+            EXPECT_EQ(levels.multilevel.labels(patchwork), halves);
+            EXPECT_FALSE(patchwork.may_close_rings);
+        }
+    }
+    const Levels ring(torus(12, 6));
+    Patchwork patchwork = ring.multilevel.coarsen(ring.mesh.face_count(), 1);
+    ring.multilevel.set_labels(patchwork, std::vector<int>(ring.mesh.face_count(), 0));
+    patchwork.may_close_rings = false;
+    EXPECT_EQ(repair(patchwork), 0);
+    EXPECT_TRUE(patchwork.may_close_rings) << "no disk covers a torus";
 }
 
 TEST(Repair, KeepsBoundariesShortWhereAllIsHandles) {
@@ -208,7 +253,9 @@ TEST(Repair, NearlyAllLabelsOfGridsFullOfHolesBecomeSound) {
                     }
                     const bool is_forced = repair(patchwork) > 0;
                     EXPECT_EQ(patchwork.may_be_unsound, is_forced);
-                    EXPECT_TRUE(is_forced || is_sound(measures_of(levels, patchwork)));
+                    const Measures measures = measures_of(levels, patchwork);
+                    EXPECT_TRUE(is_forced || is_sound(measures));
+                    EXPECT_EQ(patchwork.load, measures.submesh_triangles);
                     unsound += is_forced;
                     ++runs;
                 }
