@@ -218,10 +218,8 @@ TEST(General, MeasuresAgreeWithTheRecountOfLabelsAtRandomAndInARow) {
         expect_measured_as_recounted(mesh, labels, 5, disk_count);
         // Faces that follow one another are disks, rings and pieces. The last sub-mesh is empty.
         for (int k : {3, 40}) {
-            for (int f = 0; f < mesh.face_count(); ++f) {
-                labels[f] = static_cast<int>(1LL * f * k / mesh.face_count());
-            }
-            expect_measured_as_recounted(mesh, labels, k + 1, disk_count);
+            expect_measured_as_recounted(
+                mesh, labels_by_number(mesh.face_count(), k), k + 1, disk_count);
             submesh_count += k;
         }
     }

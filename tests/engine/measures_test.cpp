@@ -348,11 +348,8 @@ TEST(Measures, AreTheSameWhereOneFanPerVertexIsKnown) {
             Random random(k);
             std::vector<int> scattered(mesh.face_count());
             std::generate(scattered.begin(), scattered.end(), [&] { return random.below(k); });
-            std::vector<int> in_rows(mesh.face_count());
-            for (int f = 0; f < mesh.face_count(); ++f) {
-                in_rows[f] = static_cast<int>(std::int64_t{k} * f / mesh.face_count());
-            }
-            for (const std::vector<int>& labels : {scattered, in_rows}) {
+            for (const std::vector<int>& labels :
+                 {scattered, labels_by_number(mesh.face_count(), k)}) {
                 expect_same(measure(mesh, graph, labels, k, 1, VertexFanCount::one),
                             measure(mesh, graph, labels, k, 1));
             }

@@ -25,15 +25,6 @@ std::vector<int> random_labels(int face_count, int submesh_count, std::uint64_t 
     return labels;
 }
 
-/// Equally many faces in each, in the order of their numbers.
-std::vector<int> labels_by_number(int face_count, int submesh_count) {
-    std::vector<int> labels(face_count);
-    for (int f = 0; f < face_count; ++f) {
-        labels[f] = submesh_count * f / face_count;
-    }
-    return labels;
-}
-
 TEST(Repair, MakesAnyLabelsSoundUnlessItSaysHowManyFacesItForced) {
     for (const auto& [name, mesh] : genus_zero_meshes()) {
         const Levels levels(mesh);

@@ -14,6 +14,15 @@
 /// from outside, no unreferenced vertex.
 namespace spheroseg::test {
 
+/// Labels in [0, submesh_count) in the order of the faces, of nearly equally many each.
+inline std::vector<int> labels_by_number(int face_count, int submesh_count) {
+    std::vector<int> labels(face_count);
+    for (int f = 0; f < face_count; ++f) {
+        labels[f] = static_cast<int>(std::int64_t{submesh_count} * f / face_count);
+    }
+    return labels;
+}
+
 /// Icosphere whose vertices are moved along their radius by up to +-amplitude, at random.
 inline TriangleMesh displaced_sphere(int level, double amplitude = 0.3, std::uint64_t seed = 1) {
     TriangleMesh mesh = icosphere(level);

@@ -62,18 +62,16 @@ std::vector<std::vector<int>> hostile_labels(const DualGraph& graph, int k) {
     const int face_count = graph.face_count();
     std::vector<int> random_labels(face_count);
     std::vector<int> lone(face_count, k - 1);
-    std::vector<int> stripes(face_count);
     std::vector<int> interleaved(face_count);
     Random random(9);
     for (int f = 0; f < face_count; ++f) {
         random_labels[f] = f < k ? f : static_cast<int>(random.below(k));
-        stripes[f] = static_cast<int>(static_cast<std::int64_t>(f) * k / face_count);
         interleaved[f] = f % k;
     }
     for (int l = 0; l + 1 < k; ++l) {
         lone[l] = l;
     }
-    return {random_labels, lone, stripes, interleaved, blobs(graph, k, 4)};
+    return {random_labels, lone, labels_by_number(face_count, k), interleaved, blobs(graph, k, 4)};
 }
 
 TEST(WarmStart, SoundSubmeshesByHand) {
