@@ -62,8 +62,8 @@ _CANCEL_SECONDS = 0.1
 @atexit.register
 def _end_filters() -> None:
     """Python ends daemon threads where they are; one that comes back from a filter then would abort
-    the process. So a filter that runs is cancelled, or waited for where a signal's handler that is
-    not Python's own would be called for that, and daemon threads begin no other."""
+    the process. So a filter that runs is cancelled, or waited for where Ctrl-C is ignored or has a
+    handler that is not Python's own, and daemon threads begin no other."""
     global _ending_thread
     _ending_thread = threading.get_ident()
     while not _one_at_a_time.acquire(timeout=_CANCEL_SECONDS):

@@ -2,6 +2,7 @@
 """Meshes that the Python tests share."""
 
 import os
+import signal
 import subprocess
 
 import hypothesis
@@ -23,6 +24,14 @@ hypothesis.settings.register_profile(
 )
 hypothesis.settings.register_profile("long", max_examples=3000, **SHARED)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _interrupt_is_not_ignored():
+    """Shells start what runs in the background with SIGINT ignored, and processes inherit that."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")

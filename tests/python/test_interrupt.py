@@ -79,14 +79,6 @@ SHORT = {"submesh_count": 1000, "effort": "draft"}
 PARAMETRIZE = ("compute_spherical_parametrization_per_vertex", 8)
 
 
-@pytest.fixture(autouse=True)
-def _signal_is_not_ignored():
-    """Shells start what runs in the background with SIGINT ignored, and processes inherit that."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 def interrupt_program(handler, filter_name, levels, parameters):
     """Exit code and what the program told of itself; the signal comes after the first report."""
     arguments = json.dumps(

@@ -124,10 +124,8 @@ def test_a_worker_whose_results_nobody_wants_any_more_is_ended(tmp_path):
 
 @pytest.fixture
 def nursery():
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # shells may ignore it
     with contextlib.closing(workers.Nursery("odd_nursery")) as found:
         yield found
-    signal.signal(signal.SIGINT, before)
 
 
 def run(nursery, **job):
