@@ -307,7 +307,10 @@ def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_cou
     """Components of 512 and 32 triangles: in three sub-meshes 256, 256 and 32 is the best."""
     said = logged(submesh_count)
     assert f"best {difference}\n" in said
-    warning = f"The result has {difference} triangles between the largest and the smallest"
+    warning = (
+        f"The result has {difference} triangles between the largest and the smallest sub-mesh, the "
+        "fewest that its components allow."
+    )
     assert (warning in said) == (difference > 1)
     assert said.count("The result has") == (difference > 1) + 1  # and that of the star
 

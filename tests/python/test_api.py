@@ -640,6 +640,11 @@ def test_shortcomings_count_one_and_many():
     )
     found |= {"disconnected_submesh_count": 2, "bowtie_count": 1}
     assert api.shortcomings(found).endswith(", 2 sub-meshes in more than one piece, 1 bowtie")
+    best = {"max_triangle_count_difference": 224, "best_max_triangle_count_difference": 224}
+    assert api.shortcomings(found | best).startswith(
+        "224 triangles between the largest and the smallest sub-mesh, the fewest that its "
+        "components allow, 2 sub-meshes"
+    )
 
 
 def test_a_star_of_strips_has_no_halves_and_the_measures_say_so():
