@@ -155,6 +155,20 @@ def test_resume_does_again_what_changed_and_nothing_else(tmp_path, monkeypatch):
     assert {row["submesh_count"] for row in rows(output)} == {"6"}
 
 
+def test_resume_does_again_what_failed(tmp_path):
+    write_mesh(tmp_path / "a.ply", levels=6)
+    arguments = [tmp_path / "a.ply", "-o", tmp_path / "out", "-k", 20, "--effort", "high"]
+    process = start_batch(*arguments)
+    wait_until(lambda: jobs_of(process.pid))
+    for job in jobs_of(process.pid):
+        os.kill(job, signal.SIGKILL)
+    process.communicate()
+    assert process.returncode == 1
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["failed"]
+    assert run_batch(*arguments, "--resume")[0] == 0
+    assert [row["status"] for row in rows(tmp_path / "out")] == ["done"]
+
+
 def test_resume_with_other_formats_leaves_nothing_that_contradicts_it(tmp_path):
     output = tmp_path / "out"
     for name in ("a", "b"):
