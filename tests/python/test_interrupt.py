@@ -126,10 +126,9 @@ def test_filter_is_cancelled_and_its_mesh_set_can_be_used(filter_and_levels, par
 
 # Half a second after it began, when most layers are still to be made.
 LAYERS_PROGRAM = """
-import os, signal, subprocess
+import os, subprocess
 import host_meshes
 
-signal.signal(signal.SIGINT, signal.default_int_handler)
 mesh_set = host_meshes.ellipsoid(6)
 mesh_set.compute_scalar_by_function_per_face(q="fi")
 before = host_meshes.state(mesh_set)
@@ -274,7 +273,6 @@ def test_a_program_that_starts_is_interrupted_without_a_traceback(module, progra
         capture_output=True,
         text=True,
         env=ENVIRONMENT,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     last_line = "".join(done.stderr.splitlines(keepends=True)[-1:])
     assert (done.returncode, last_line) == (code, said)
