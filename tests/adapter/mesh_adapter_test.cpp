@@ -107,6 +107,20 @@ TEST(Labels, ThatSinglePrecisionWouldRoundAreRefused) {
     EXPECT_NO_THROW(check_label_range(1));
     EXPECT_NO_THROW(check_label_range(kMost));
     EXPECT_THROW(check_label_range(kMost + 1), InvalidOptions);
+
+    CMeshO host = make_tetrahedron_with_deleted_elements();
+    const HostMesh adapted = read_mesh(host);
+    write_labels(host, adapted, {0, kMost - 1, 0, 0});
+    EXPECT_EQ(read_labels(host, adapted)[1], kMost - 1);
+    host.face[2].Q() = Scalarm(kMost);
+    try {
+        read_labels(host, adapted);
+        FAIL() << kMost << " was accepted as a label";
+    } catch (const InvalidInput& error) {
+        EXPECT_NE(std::string(error.what()).find("from 0 to 16777215 in the face quality"),
+                  std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(FaceColors, AreThoseOfTheLabels) {
