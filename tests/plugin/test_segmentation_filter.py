@@ -184,6 +184,17 @@ def test_same_seed_gives_same_labels_for_any_thread_count_and_again():
     np.testing.assert_array_equal(labels[0], labels_of(fresh))
 
 
+def test_another_k_prepares_the_same_mesh_only_once():
+    vertices, faces = subdivided_sphere(5)
+    mesh_set = document(vertices * [1.0, 1.75, 2.5], faces)
+    first = mesh_set.apply_filter(SEGMENTATION, submesh_count=10)["parametrization_seconds"]
+    later = min(
+        mesh_set.apply_filter(SEGMENTATION, submesh_count=k)["parametrization_seconds"]
+        for k in (11, 12, 13)
+    )
+    assert later < first / 4
+
+
 def test_a_changed_mesh_is_not_taken_for_the_last_one():
     mesh_set = ellipsoid()
     mesh_set.apply_filter(SEGMENTATION, submesh_count=10)
@@ -269,31 +280,46 @@ def test_labels_do_not_depend_on_the_coordinates(sample, method):
 LOGGED = """
 import numpy as np
 import spheroseg
-from host_meshes import SEGMENTATION, document
+from host_meshes import PARAMETRIZATION, SEGMENTATION, document
 from shapes import star_of_strips, subdivided_sphere
 
-large, small = subdivided_sphere(3), subdivided_sphere(1)
+def verbose(vertices, faces):
+    mesh_set = document(vertices, faces)
+    mesh_set.set_verbosity(True)
+    return mesh_set
+
+large, medium, small = [subdivided_sphere(levels) for levels in (3, 2, 1)]
+"""
+OF_TWO_COMPONENTS = """
 vertices = np.concatenate([large[0], small[0] + 5.0])
 faces = np.concatenate([large[1], small[1] + len(large[0])])
-mesh_set = document(vertices, faces)
-mesh_set.set_verbosity(True)
-result = mesh_set.apply_filter(SEGMENTATION, submesh_count={submesh_count})
+result = verbose(vertices, faces).apply_filter(SEGMENTATION, submesh_count={submesh_count})
 print("best", result["best_max_triangle_count_difference"])
-star = document(*star_of_strips(6))
-star.set_verbosity(True)
-star.apply_filter(SEGMENTATION, submesh_count=2)
-one = document(*small)
-one.set_verbosity(True)
+"""
+OF_ONE_COMPONENT = """
+one = verbose(*small)
 one.apply_filter(SEGMENTATION, submesh_count=1)
 one.apply_filter("generate_submesh_layers")
+verbose(*star_of_strips(6)).apply_filter(SEGMENTATION, submesh_count=2)
+"""
+OF_A_MAPPED_SPHERE = """
+mesh_set = verbose(*medium)
+for name in [PARAMETRIZATION, *{changes}]:
+    mesh_set.apply_filter(name)
+print("difference", mesh_set.apply_filter(SEGMENTATION)["max_triangle_count_difference"])
+"""
+OF_ALL_PAIRS = """
+few = {"max_cohesion_iterations": 1, "max_refinement_iterations": 1}
+result = verbose(*medium).apply_filter(SEGMENTATION, method="all_pairs", submesh_count=40, **few)
+print(f"found {result['disconnected_submesh_count']}, {result['bowtie_count']}")
 """
 
 
 @functools.cache
-def logged(submesh_count):
+def logged(calls):
     """In a process of its own: the host's log is whole when it has ended."""
     done = subprocess.run(
-        [sys.executable, "-c", LOGGED.format(submesh_count=submesh_count)],
+        [sys.executable, "-c", LOGGED + calls],
         env=dict(os.environ, PYTHONPATH=os.pathsep.join(path for path in sys.path if path)),
         capture_output=True,
         text=True,
@@ -302,41 +328,74 @@ def logged(submesh_count):
     return done.stdout + done.stderr
 
 
-@pytest.mark.parametrize(("submesh_count", "difference"), [(3, 224), (17, 0)])
+@pytest.mark.parametrize(("submesh_count", "difference"), [(3, 224), (50, 1), (17, 0)])
 def test_the_log_warns_where_triangle_counts_differ_by_more_than_one(submesh_count, difference):
     """Components of 512 and 32 triangles: in three sub-meshes 256, 256 and 32 is the best."""
-    said = logged(submesh_count)
+    said = logged(OF_TWO_COMPONENTS.format(submesh_count=submesh_count))
     assert f"best {difference}\n" in said
+    count = "1 triangle" if difference == 1 else f"{difference} triangles"
+    assert f"; 2 components, which allow a difference of {count} at best" in said
     warning = (
         f"The result has {difference} triangles between the largest and the smallest sub-mesh, the "
         "fewest that its components allow."
     )
     assert (warning in said) == (difference > 1)
-    assert said.count("The result has") == (difference > 1) + 1  # and that of the star
+    assert said.count("The result has") == (difference > 1)
 
 
 def test_the_log_says_where_no_cut_is_balanced():
     """A face with strips of six on its sides, in two: 6 and 13."""
+    said = logged(OF_ONE_COMPONENT)
     assert (
         "The result has 7 triangles between the largest and the smallest sub-mesh (no cut into "
         "so many connected ones is balanced, as parts of the mesh hang on the rest by "
         "single edges)."
-    ) in logged(3)
+    ) in said
+    assert "components" not in said
 
 
 def test_the_log_counts_one_and_many():
-    said = logged(3)
-    assert "544 triangles in 3 sub-meshes of 32 to 256; " in said
-    assert "32 triangles in 1 sub-mesh of 32 to 32; 0 boundary edges, 0 bowties, " in said
-    assert "1 layer made, one for each sub-mesh" in said
-    assert "; 2 components, which allow a difference of 224 triangles at best" in said
-    assert "; 2 components, which allow a difference of 1 triangle at best" in logged(50)
+    many = logged(OF_TWO_COMPONENTS.format(submesh_count=3))
+    assert "544 triangles in 3 sub-meshes of 32 to 256; " in many
+    one = logged(OF_ONE_COMPONENT)
+    assert "32 triangles in 1 sub-mesh of 32 to 32; 0 boundary edges, 0 bowties, " in one
+    assert "1 layer made, one for each sub-mesh" in one
 
 
-@pytest.mark.parametrize("number", [-1, 3])
-@pytest.mark.parametrize("name", ["method", "effort", "device", "balance", "initial_labels"])
-def test_a_filter_script_with_a_choice_that_is_not_there_is_refused(tmp_path, name, number):
+def test_the_log_names_pieces_and_bowties():
+    said = logged(OF_ALL_PAIRS)
+    pieces, bowties = map(int, re.search(r"found (\d+), (\d+)", said).groups())
+    assert (pieces > 1, bowties > 1) == (True, True)
+    shortcomings = f"{pieces} sub-meshes in more than one piece, {bowties} bowties"
+    assert f"The result has {shortcomings}." in said
+    assert "; 1 cohesion and 1 refinement iteration, " in said
+
+
+@pytest.mark.parametrize("changes", [[], ["meshing_invert_face_orientation"]])
+def test_the_log_warns_of_a_map_that_does_not_fit(changes):
+    said = logged(OF_A_MAPPED_SPHERE.format(changes=changes))
+    assert "difference 1\n" in said
+    warning = "The attribute sphere_position does not fit this mesh any more; it is ignored."
+    assert said.count(warning) == len(changes)
+    assert "The result has" not in said
+
+
+@pytest.mark.parametrize("is_below", [True, False])
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("method", "fast, all_pairs (0 to 1)"),
+        ("effort", "draft, standard, high (0 to 2)"),
+        ("device", "auto, cpu, cuda (0 to 2)"),
+        ("balance", "triangle_count, weight (0 to 1)"),
+        ("initial_labels", "none, face_quality (0 to 1)"),
+    ],
+)
+def test_a_filter_script_with_a_choice_that_is_not_there_is_refused(
+    tmp_path, name, words, is_below
+):
     """PyMeshLab checks the numbers of words in a call, but not in a script; nor does MeshLab."""
+    number = -1 if is_below else words.count(",") + 1
     mesh_set = ellipsoid(1)
     mesh_set.apply_filter(SEGMENTATION, submesh_count=4)
     script = tmp_path / "history.mlx"
@@ -348,6 +407,7 @@ def test_a_filter_script_with_a_choice_that_is_not_there_is_refused(tmp_path, na
     replayed = ellipsoid(1)
     replayed.load_filter_script(str(script))
     before = state(replayed)
-    with pytest.raises(pymeshlab.PyMeshLabException, match=f"{name} must be .*, found {number}"):
+    message = re.escape(f"{name} must be one of {words}, found {number}. ")
+    with pytest.raises(pymeshlab.PyMeshLabException, match=message):
         replayed.apply_filter_script()
     assert state(replayed) == before
