@@ -274,3 +274,27 @@ def test_pressing_apply_again_while_it_runs_does_no_harm(meshlab, large_mesh):
     meshlab.screen.settle()
     dialog.apply(seconds=300)
     assert meshlab.quit() == 0
+
+
+def test_a_layer_may_be_removed_while_it_runs(meshlab, small_mesh, large_mesh):
+    meshlab.start(small_mesh, large_mesh)  # the last one is the current one
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.move_aside()
+    dialog.set_field(SUBMESH_COUNT, "100000")  # some seconds, of which the search takes one
+    dialog.press_apply()
+    wait_until(lambda: meshlab.progress_share() > 0, "the first step")
+    meshlab.run_filter_without_parameters("Delete Current Mesh")
+    meshlab.wait_for_window(FAILURE, seconds=120)
+    meshlab.screenshot("refused")
+    meshlab.dismiss(FAILURE)
+    meshlab.wait_for_log("failed: The mesh was removed or changed while the filter ran")
+    assert APPLIED not in meshlab.log_text()
+    # The other layer is as it was, and the filter runs again.
+    dialog = meshlab.open_filter(SEGMENTATION)
+    dialog.set_field(SUBMESH_COUNT, "30")
+    dialog.apply()
+    dialog.close()
+    _, labels = load(meshlab.export("labelled.ply"))
+    assert len(labels) == 20 * 4**3
+    assert_balanced(labels, 30)
+    assert meshlab.quit() == 0
