@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "prepared_mesh_cache.h"
 
+#include "test_solids.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,14 +11,9 @@
 namespace spheroseg {
 namespace {
 
-/// Its vertices, in order, are also a valid map to the sphere.
-TriangleMesh octahedron() {
-    return {
-        {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
-}
+using test::octahedron; // its vertices, in order, are also a valid map to the sphere
 
-/// The same map, turned by a quarter about z.
+/// The octahedron's map, turned by a quarter about z.
 std::vector<Vec3> turned_octahedron() {
     return {{0, 1, 0}, {0, -1, 0}, {-1, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0, -1}};
 }

@@ -258,13 +258,19 @@ def test_progress_moves_while_the_window_stays_alive(meshlab, large_mesh):
     assert meshlab.quit() == 0
 
 
-def test_pressing_apply_again_while_it_runs_does_no_harm(meshlab, large_mesh):
-    meshlab.start(large_mesh)
+def begin(meshlab, submesh_count):
+    """Until the first step of the filter shows; its dialog."""
     dialog = meshlab.open_filter(SEGMENTATION)
     dialog.move_aside()
-    dialog.set_field(SUBMESH_COUNT, LONG_SUBMESH_COUNT)
+    dialog.set_field(SUBMESH_COUNT, submesh_count)
     dialog.press_apply()
     wait_until(lambda: meshlab.progress_share() > 0, "the first step")
+    return dialog
+
+
+def test_pressing_apply_again_while_it_runs_does_no_harm(meshlab, large_mesh):
+    meshlab.start(large_mesh)
+    dialog = begin(meshlab, LONG_SUBMESH_COUNT)
     dialog.press_apply()
     meshlab.wait_for_window(FAILURE)
     meshlab.screenshot("refused")
@@ -278,11 +284,7 @@ def test_pressing_apply_again_while_it_runs_does_no_harm(meshlab, large_mesh):
 
 def test_a_layer_may_be_removed_while_it_runs(meshlab, small_mesh, large_mesh):
     meshlab.start(small_mesh, large_mesh)  # the last one is the current one
-    dialog = meshlab.open_filter(SEGMENTATION)
-    dialog.move_aside()
-    dialog.set_field(SUBMESH_COUNT, "100000")  # some seconds, of which the search takes one
-    dialog.press_apply()
-    wait_until(lambda: meshlab.progress_share() > 0, "the first step")
+    begin(meshlab, "100000")  # some seconds, of which the search takes one
     meshlab.run_filter_without_parameters("Delete Current Mesh")
     meshlab.wait_for_window(FAILURE, seconds=120)
     meshlab.screenshot("refused")
